@@ -24,8 +24,10 @@ DAMAGE = "Crumple damage"
 REPORT = "Crumple report"
 """The text that shows what the library last said."""
 
-LIMIT, STIFFNESS = "Crumple depth limit", "Crumple stiffness"
+LIMIT, STIFFNESS, HELD = "Crumple depth limit", "Crumple stiffness", "Crumple held"
 """The vertex groups that are painted."""
+HELD_ATTRIBUTE = "_HELD"
+"""What the solver reads of the last one: above a half, a vertex does not move."""
 ATTRIBUTES = ("_DEPTH_LIMIT", "_STIFFNESS")
 """What the file has of both, as attributes of the vertices, and what the mesh may have from an import or from solids inside."""
 NO_LIMIT = 1e6
@@ -46,6 +48,12 @@ def y_up(v: Iterable[float]) -> list[float]:
 def z_up(v: Iterable[float]) -> list[float]:
     x, y, z = v
     return [x, -z, y]
+
+
+def metre() -> float:
+    """Metres in one unit of the scene."""
+    settings = bpy.context.scene.unit_settings
+    return 1.0 if settings.system == "NONE" else settings.scale_length
 
 
 def say(lines: Iterable[str]) -> None:
@@ -275,7 +283,9 @@ def submit(body: crumple.Instance, hit: Any, preview: bool = False) -> crumple.H
     """Gives a stored hit to an instance."""
     if hit.by == "DEPTH":
         return body.hit_displacement(tuple(hit.point), tuple(hit.vector), preview=preview)
-    striker = crumple.Striker(hit.mass, hit.radius, tuple(hit.vector))
+    if body.set.info.blow_count == 0:
+        raise Trouble("the examples do not know their blows: hit by depth, or make Simulated Dents, or mark the examples with their strikers")
+    striker = crumple.Striker(hit.mass, hit.radius * metre(), tuple(hit.vector))
     return body.hit(tuple(hit.point), striker=striker, preview=preview)
 
 
@@ -393,6 +403,9 @@ def _copy(obj: bpy.types.Object, examples: bool) -> Iterator[bpy.types.Object]:
                 copy.shape_key_clear()
         for attribute_name, values in zip(ATTRIBUTES, numbers, strict=True):
             set_attribute(mesh, attribute_name, values)
+        held = painted(obj, HELD)
+        if not examples and held.any():
+            set_attribute(mesh, HELD_ATTRIBUTE, held)
         scene.collection.objects.link(copy)
         with _alone([copy]):
             yield copy
@@ -429,14 +442,15 @@ def export_solids(obj: bpy.types.Object, path: Path) -> bool:
 def report(info: crumple.SetInfo, examples: list[crumple.ExampleInfo]) -> list[str]:
     """What the library says of a set, as `crumple info` does."""
     known = lambda error: "unknown" if error is None else f"{error:.2f}"  # noqa: E731
+    millimetres = 1000 * metre()
     lines = [
         f"{info.vertex_count} vertices, {info.triangle_count} triangles, {info.example_count} examples",
         f"Memory: {info.memory_bytes / 1e6:.1f} MB for all copies",
-        f"Depth limit: {1000 * info.depth_limit:.1f} mm",
+        f"Depth limit: {millimetres * info.depth_limit:.1f} mm",
         f"Error of a dent: {known(info.field_error)} (no dent: 1)",
         f"{info.blow_count} know their blow; depth error: {known(info.depth_error)}",
     ]
     for one in examples:
         place = one.placement.name.lower()
-        lines.append(f"  {one.name}: {1000 * one.depth:.1f} mm, moves {one.moved_vertices}, error {known(one.field_error)}, {place}")
+        lines.append(f"  {one.name}: {millimetres * one.depth:.1f} mm, moves {one.moved_vertices}, error {known(one.field_error)}, {place}")
     return lines

@@ -2,15 +2,8 @@
 
 from __future__ import annotations
 
-import os
-import queue
-import re
-import shutil
-import subprocess
-import threading
 from collections.abc import Callable
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import bpy
@@ -134,7 +127,7 @@ class CRUMPLE_OT_hit(MeshOperator, bpy.types.Operator):
             used[names[one.example]] += one.share
         shares = ", ".join(f"{name} {share:.0%}" for name, share in used.items())
         cut = ", cut to the depth limit" if result.clamped else ""
-        self.report({"INFO"}, f"Dented by {1000 * np.linalg.norm(result.achieved):.1f} mm{cut}, from {shares}")
+        self.report({"INFO"}, f"Dented by {1000 * bridge.metre() * np.linalg.norm(result.achieved):.1f} mm{cut}, from {shares}")
 
     def fill(self, hit: Hit, obj: bpy.types.Object) -> None:
         if abs(obj.matrix_world.determinant()) < 1e-12:
@@ -303,7 +296,7 @@ class CRUMPLE_OT_mark(MeshOperator, bpy.types.Operator):
         impulse = self.impulse or self.mass * self.speed
         if impulse:
             entry["impulse"] = bridge.y_up(-impulse * normal)
-        told = {"mass": self.mass, "radius": self.radius}
+        told = {"mass": self.mass, "radius": self.radius * bridge.metre()}
         striker: dict[str, Any] = {name: value for name, value in told.items() if value}
         if self.speed:
             striker["velocity"] = bridge.y_up(-self.speed * normal)
@@ -312,7 +305,7 @@ class CRUMPLE_OT_mark(MeshOperator, bpy.types.Operator):
         impacts, placements = bridge.impacts(obj), bridge.placements(obj)
         impacts[key.name], placements[key.name] = entry, self.placement
         bridge.describe(obj, impacts, {name: word for name, word in placements.items() if word != "automatic"})
-        self.report({"INFO"}, f"{key.name} was hit at vertex {vertex}, {1000 * moved[vertex]:.1f} mm deep")
+        self.report({"INFO"}, f"{key.name} was hit at vertex {vertex}, {1000 * bridge.metre() * moved[vertex]:.1f} mm deep")
 
 
 class CRUMPLE_OT_paint(MeshOperator, bpy.types.Operator):
@@ -326,11 +319,12 @@ class CRUMPLE_OT_paint(MeshOperator, bpy.types.Operator):
         items=[
             ("LIMIT", "Depth Limit", "Red does not move at all, blue up to nearly the limit, and what is not painted as far as any dent"),
             ("STIFFNESS", "Stiffness", "Red does not move at all, green half as far as elsewhere"),
+            ("HELD", "Held", "Where the solver of Make Examples holds the mesh: what is redder than green. Choose Hold: Marked, or Automatic"),
         ],
     )
 
     def run(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
-        name = bridge.LIMIT if self.what == "LIMIT" else bridge.STIFFNESS
+        name = {"LIMIT": bridge.LIMIT, "STIFFNESS": bridge.STIFFNESS, "HELD": bridge.HELD}[self.what]
         group = obj.vertex_groups.get(name) or obj.vertex_groups.new(name=name)
         obj.vertex_groups.active_index = group.index
         bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
@@ -362,176 +356,6 @@ class CRUMPLE_OT_keep_out(MeshOperator, bpy.types.Operator):
             self.report({"INFO"}, f"Dents keep out of {', '.join(one.name for one in solids)}; {inside} vertices begin inside and do not move")
         if obj.crumple_hits:
             bridge.show(obj)
-
-
-class CRUMPLE_OT_make_examples(MeshOperator, bpy.types.Operator):
-    """Add examples to a bare mesh: round dents at once, or simulated ones in the background. Escape stops the simulation"""
-
-    bl_idname = "crumple.make_examples"
-    bl_label = "Make Examples"
-
-    method: EnumProperty(
-        name="Method",
-        items=[
-            ("PROFILE", "Round Dents", "At once. They do not know their blows"),
-            ("SOLVER", "Simulated Dents", "By MuJoCo, minutes. Needs the Python package crumple[examples]"),
-        ],
-    )
-    count: IntProperty(name="Count", default=8, min=1, max=100)
-    shallowest: FloatProperty(name="Shallowest", min=0, unit="LENGTH", description="0: 0.5 % of the diagonal")
-    deepest: FloatProperty(name="Deepest", min=0, unit="LENGTH", description="0: 3 % of the diagonal")
-    detail: IntProperty(name="Detail", default=2500, min=200, max=50000, description="Points of the simulated shell")
-
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        self.window = True
-        return context.window_manager.invoke_props_dialog(self)
-
-    def draw(self, context: bpy.types.Context) -> None:
-        for name in ("method", "count", "shallowest", "deepest") + (("detail",) if self.method == "SOLVER" else ()):
-            self.layout.prop(self, name)
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        obj = context.active_object
-        if self.method == "PROFILE":
-            return self.safely(lambda: self.round(obj))
-        if self.safely(lambda: self.start(context, obj)) == {"CANCELLED"}:
-            return {"CANCELLED"}
-        if getattr(self, "window", False):
-            self.timer = context.window_manager.event_timer_add(0.2, window=context.window)
-            context.window_manager.progress_begin(0, self.count)
-            context.window_manager.modal_handler_add(self)
-            return {"RUNNING_MODAL"}
-        self.process.wait()
-        self.reader.join()
-        return self.safely(lambda: self.finish(obj))
-
-    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        if event.type == "ESC":
-            self.process.terminate()
-            self.process.wait()
-            self.end(context)
-            self.report({"WARNING"}, "Stopped. Repeat it in this session to go on with the examples that are made")
-            return {"CANCELLED"}
-        if event.type != "TIMER":
-            return {"PASS_THROUGH"}
-        while not self.lines.empty():
-            self.said.append(self.lines.get())
-            done = re.match(r"(\d+) of \d+: ", self.said[-1])
-            if done:
-                context.window_manager.progress_update(int(done[1]))
-                context.workspace.status_text_set(f"Crumple's solver: {self.said[-1]}. Escape stops it")
-        if self.process.poll() is None or self.reader.is_alive():
-            return {"PASS_THROUGH"}
-        self.end(context)
-        obj = bpy.data.objects.get(self.of)
-        if obj is None:
-            self.report({"ERROR"}, f"{self.of} is gone; its examples are in {self.out}")
-            return {"CANCELLED"}
-        return self.safely(lambda: self.finish(obj))
-
-    def end(self, context: bpy.types.Context) -> None:
-        context.window_manager.event_timer_remove(self.timer)
-        context.window_manager.progress_end()
-        context.workspace.status_text_set(None)
-
-    def depths(self, size: float) -> tuple[float, float]:
-        low, high = self.shallowest or 0.005 * size, self.deepest or 0.03 * size
-        if not 0 < low < high <= 0.3 * size:
-            raise Trouble(f"depths are {low:.3g} to {high:.3g} m; they must rise, up to {0.3 * size:.3g} m, 0.3 of the diagonal")
-        return low, high
-
-    def round(self, obj: bpy.types.Object) -> None:
-        from crumple.examples import Failure, profile
-
-        points = bridge.base_of(obj)
-        corners = bridge.triangles(obj.data).astype(np.int64)
-        if len(corners) == 0:
-            raise Trouble(f"{obj.name} has no faces")
-        distinct, of_vertex = np.unique(points, axis=0, return_inverse=True)
-        of_vertex = of_vertex.reshape(-1)
-        size = float(np.linalg.norm(np.ptp(points, axis=0)))
-        body = SimpleNamespace(
-            name=obj.name, points=distinct.astype(float), triangles=of_vertex[corners], of_vertex=of_vertex, size=size,
-            marked=np.zeros(len(points), bool),
-        )  # fmt: skip
-        try:
-            made = profile.make(body, self.count, self.depths(size))
-        except Failure as failure:
-            raise Trouble(str(failure)) from failure
-        entries = {one.name: {"name": one.name, "point": bridge.y_up(one.point), "normal": bridge.y_up(one.normal)} for one in made}
-        self.add(obj, {one.name: points + one.field[of_vertex] for one in made}, entries)
-
-    def add(self, obj: bpy.types.Object, positions: dict[str, np.ndarray], entries: dict[str, Any]) -> None:
-        told, placed = bridge.impacts(obj), bridge.placements(obj)
-        if obj.data.shape_keys is None:
-            obj.shape_key_add(name="Basis", from_mix=False)
-        for name, moved in positions.items():
-            key = obj.shape_key_add(name=name, from_mix=False)
-            key.value = 0.0
-            key.points.foreach_set("co", np.ascontiguousarray(moved, np.float32).ravel())
-            if name in entries:
-                told[key.name] = {**entries[name], "name": key.name}
-        bridge.describe(obj, told, placed)
-        model = bridge.model(obj)
-        self.tell([f"{len(positions)} examples made", *bridge.report(model.set.info, model.set.examples)])
-
-    def start(self, context: bpy.types.Context, obj: bpy.types.Object) -> None:
-        named = context.preferences.addons[__package__].preferences.program
-        program = bpy.path.abspath(named) if named else shutil.which("crumple")
-        if not program or not Path(program).is_file():
-            raise Trouble(
-                "the solver is not installed: type pip install 'crumple[examples]' in a Python environment, and name its program `crumple` in the preferences"
-            )
-        if not obj.data.polygons:
-            raise Trouble(f"{obj.name} has no faces")
-        folder = Path(bpy.app.tempdir) / bpy.path.clean_name(obj.name)
-        folder.mkdir(exist_ok=True)
-        self.of, self.out, body = obj.name, folder / "examples.glb", folder / "body.glb"
-        bridge.export_gltf([obj], body, examples=False)
-        scale = obj.matrix_world.to_scale().length / 3**0.5
-        low, high = self.depths(scale * float(np.linalg.norm(np.ptp(bridge.base_of(obj), axis=0))))
-        command = [program, "examples", str(body), "-o", str(self.out), "--count", str(self.count), "--no-report", "--detail", str(self.detail)]
-        command += ["--depth", f"{1000 * low}", f"{1000 * high}"]
-        inner = folder / "solids.glb"
-        if bridge.export_solids(obj, inner):
-            command += ["--inner", str(inner)]
-        # The solver's Python is another than Blender's.
-        clean = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
-        self.out.unlink(missing_ok=True)
-        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=clean)
-        self.lines: queue.Queue[str] = queue.Queue()
-        self.said: list[str] = []
-        self.reader = threading.Thread(target=lambda: [self.lines.put(line.strip()) for line in self.process.stdout], daemon=True)
-        self.reader.start()
-
-    def finish(self, obj: bpy.types.Object) -> None:
-        while not self.lines.empty():
-            self.said.append(self.lines.get())
-        if self.process.returncode != 0:
-            raise Trouble(next((line for line in reversed(self.said) if "error: " in line), f"the solver ends with {self.process.returncode}"))
-        points = bridge.base_of(obj)
-        before = {kind: set(getattr(bpy.data, kind)) for kind in ("objects", "meshes", "collections")}
-        active, selected = bpy.context.view_layer.objects.active, bpy.context.selected_objects
-        bpy.ops.import_scene.gltf(filepath=str(self.out))
-        try:
-            new = next(one for one in set(bpy.data.objects) - before["objects"] if one.type == "MESH" and one.data.shape_keys)
-            keys = new.data.shape_keys.key_blocks
-            # The file has vertices of its own, at the same positions. Adding 0 makes -0 and 0 equal.
-            place = {row.tobytes(): index for index, row in enumerate(bridge.coordinates(keys[0]) + np.float32(0))}
-            try:
-                vertices = [place[row.tobytes()] for row in points + np.float32(0)]
-            except KeyError as error:
-                raise Trouble(f"{obj.name} changed while its examples were made; make them again") from error
-            positions = {key.name: bridge.coordinates(key)[vertices] for key in keys[1:]}
-            entries = bridge.impacts(new)
-        finally:
-            for kind in before:
-                for one in set(getattr(bpy.data, kind)) - before[kind]:
-                    getattr(bpy.data, kind).remove(one)
-            for one in selected:
-                one.select_set(True)
-            bpy.context.view_layer.objects.active = active
-        self.add(obj, positions, entries)
 
 
 class CRUMPLE_OT_check(MeshOperator, bpy.types.Operator):
@@ -698,7 +522,7 @@ class CRUMPLE_OT_export(MeshOperator, ExportHelper, bpy.types.Operator):
 
 CLASSES = (
     Hit, Solid, Preferences, CRUMPLE_OT_hit, CRUMPLE_OT_clear, CRUMPLE_OT_rigid_bodies, CRUMPLE_OT_bake, CRUMPLE_OT_mark, CRUMPLE_OT_paint,
-    CRUMPLE_OT_keep_out, CRUMPLE_OT_make_examples, CRUMPLE_OT_check, CRUMPLE_OT_coverage, CRUMPLE_OT_export,
+    CRUMPLE_OT_keep_out, CRUMPLE_OT_check, CRUMPLE_OT_coverage, CRUMPLE_OT_export,
 )  # fmt: skip
 
 

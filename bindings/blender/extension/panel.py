@@ -24,7 +24,7 @@ class CRUMPLE_UL_examples(bpy.types.UIList):
 class CRUMPLE_UL_hits(bpy.types.UIList):
     def draw_item(self, context: bpy.types.Context, layout: Any, data: Any, item: Any, icon: int, active_data: Any, active: str, index: int) -> None:
         size = Vector(item.vector).length
-        layout.label(text=f"{1000 * size:.0f} mm" if item.by == "DEPTH" else f"{item.mass:.3g} kg, {size:.3g} m/s")
+        layout.label(text=f"{1000 * bridge.metre() * size:.0f} mm" if item.by == "DEPTH" else f"{item.mass:.3g} kg, {size:.3g} m/s")
         layout.prop(item, "frame", emboss=False)
         layout.operator("crumple.clear", text="", icon="X", emboss=False).index = index
 

@@ -275,6 +275,16 @@ def test_selected_objects_are_one_body(dentable, tmp_path):
 def test_round_dents_make_a_bare_mesh_dentable(sheet):
     bpy.ops.crumple.make_examples(count=6)
     assert len(sheet.data.shape_keys.key_blocks) == 7 and len(json.loads(sheet.data["impacts"])) == 6
+    # Made again they replace each other; what the artist sculpted stays.
+    dent(sheet, "mine", (0.2, 0.2, 0), 0.01)
+    bpy.ops.crumple.make_examples(count=4)
+    assert [key.name for key in sheet.data.shape_keys.key_blocks][:2] == ["Basis", "mine"] and len(sheet.data.shape_keys.key_blocks) == 6
+    assert len(json.loads(sheet.data["impacts"])) == 4
+    sheet.shape_key_remove(sheet.data.shape_keys.key_blocks["mine"])
+    bpy.ops.crumple.make_examples(count=6)
+    assert len(sheet.data.shape_keys.key_blocks) == 7
+    with pytest.raises(RuntimeError, match="do not know their blows: hit by depth"):
+        bpy.ops.crumple.hit(location=(0.1, 0.1, 0), by="BLOW", mass=5, speed=4, radius=0.1)
     bpy.ops.crumple.hit(location=(0.1, 0.1, 0), depth=0.02)
     assert abs(np.abs(damage(sheet)).max() - 0.02) < 1e-3
     bpy.ops.crumple.check()
@@ -401,7 +411,9 @@ def test_the_solver_runs_apart(sheet, tmp_path):
     bpy.ops.crumple.keep_out()
     bpy.ops.crumple.make_examples(method="SOLVER", count=3)
     # The solver gets the solid, where it stands in the scene.
-    solids = (tmp_path / "asked").read_text().split("--inner ")[1].strip()
+    asked = (tmp_path / "asked").read_text()
+    assert "--quality good --material steel --hold auto --strikers ball --tilt 30 --count 3" in asked and "--unit" not in asked
+    solids = asked.split("--inner ")[1].strip()
     before = set(bpy.data.objects)
     bpy.ops.import_scene.gltf(filepath=solids)
     (read,) = set(bpy.data.objects) - before
@@ -411,8 +423,31 @@ def test_the_solver_runs_apart(sheet, tmp_path):
     assert [one.name for one in bpy.data.objects] == ["Sheet"] and len(sheet.data.shape_keys.key_blocks) == 4
     bpy.ops.crumple.hit(location=sheet.matrix_world.translation, depth=0.02)
     assert abs(np.abs(damage(sheet)).max() - 0.02) < 1e-3
+    # In a scene in centimetres the same sheet is 1 cm wide, and lengths are told in its units.
+    bpy.context.scene.unit_settings.scale_length = 0.1
+    sheet.modifiers.new("Smooth", "SUBSURF")
+    held = sheet.vertex_groups.new(name="Crumple held")
+    with pytest.raises(RuntimeError, match="nothing of Sheet is painted as held"):
+        bpy.ops.crumple.make_examples(method="SOLVER", hold="marked")
+    held.add([0, 1, 2], 1.0, "REPLACE")
+    bpy.ops.crumple.make_examples(
+        method="SOLVER", count=2, thickness=0.008, material="tin", hold="marked", strikers={"ball", "wall"}, shallowest=0.01, deepest=0.02, jobs=1,
+        quality="draft", until_error=0.3, go_on=True, report_page=False, detail=400,
+    )  # fmt: skip
+    asked = (tmp_path / "asked").read_text()
+    for option in (
+        "--unit 0.1", "--thickness 0.8", "--material tin", "--hold marked", "--strikers ball wall", "--depth 1 2", "--jobs 1", "--quality draft",
+        "--until-error 0.3", "--go-on", "--no-report", "--detail 400", "--count 2",
+    ):  # fmt: skip
+        assert option in asked, (option, asked)
+    assert sorted(key.name for key in sheet.data.shape_keys.key_blocks) == ["Basis", "Crumple damage", "profile 1", "profile 2"]
+    # They are 1 to 2 mm deep.
+    assert "profile 1: 1.0 mm" in report(), report()
+    written = Path(bpy.app.tempdir) / "Sheet" / "body.glb"
+    assert b"_HELD" in written.read_bytes() and b"_HELD" not in (tmp_path / "asked").read_bytes()
+    bpy.context.scene.unit_settings.scale_length = 1.0
     preferences.program = str(tmp_path / "none")
-    with pytest.raises(RuntimeError, match="the solver is not installed"):
+    with pytest.raises(RuntimeError, match="the solver is not installed: type pip install '.*crumple-.*whl"):
         bpy.ops.crumple.make_examples(method="SOLVER")
 
 

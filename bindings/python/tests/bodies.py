@@ -19,7 +19,7 @@ from pygltflib import (
 )
 
 
-def write(path, parts, scale=None, name="body", colours=None, translation=None, more=()):
+def write(path, parts, scale=None, name="body", colours=None, translation=None, more=(), rotation=None):
     """A mesh with one primitive and material for each of `parts`, pairs of positions and triangles. `more` are the names, parts and
     translations of further nodes. Returns the path."""
     blob, gltf = bytearray(), GLTF2(scenes=[Scene(nodes=[0])], scene=0)
@@ -50,7 +50,7 @@ def write(path, parts, scale=None, name="body", colours=None, translation=None, 
         gltf.materials.append(Material(name=f"paint {number}"))
         return Primitive(attributes=attributes, indices=indices, material=len(gltf.materials) - 1)
 
-    gltf.nodes.append(Node(name=name, mesh=mesh(name, parts, colours), scale=scale, translation=translation))
+    gltf.nodes.append(Node(name=name, mesh=mesh(name, parts, colours), scale=scale, translation=translation, rotation=rotation))
     for other, sides, where in more:
         gltf.nodes.append(Node(name=other, mesh=mesh(other, sides), translation=where))
     gltf.scenes[0].nodes = list(range(len(gltf.nodes)))

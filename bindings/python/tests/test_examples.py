@@ -7,7 +7,7 @@ import trimesh
 from conftest import command
 
 import crumple
-from crumple.examples import profile, run, shell
+from crumple.examples import judge, profile, run, shell
 from crumple.examples.body import Body
 from crumple.examples.command import main
 
@@ -49,7 +49,8 @@ BODIES = {
 @pytest.mark.parametrize("name", BODIES)
 def test_profiles_dent_any_mesh(name, tmp_path):
     path, out = BODIES[name](tmp_path / "body.glb"), tmp_path / "out.glb"
-    assert main([str(path), "-o", str(out), "--profile", "--count", "4", "--no-report"]) == 0
+    unit = ["--unit", "1"] if name == "a hall of 90 m" else []
+    assert main([str(path), "-o", str(out), "--profile", "--count", "4", "--no-report", *unit]) == 0
     info, examples = check(path, out, 4)
     scale = np.cbrt(abs(np.linalg.det(info.node_transform[:3, :3].astype(float))))
     size = Body(path).size
@@ -100,7 +101,8 @@ def test_the_solver_makes_examples_that_the_command_uses(tmp_path):
     assert info.blow_count == 2
     # The mesh's own space is twice as large as the world's.
     size = Body(path).size
-    assert all(0.5 * 0.005 < 0.5 * example.depth / size < 2 * 0.03 for example in examples)
+    assert all(1e-5 < 0.5 * example.depth / size < 0.2 for example in examples)
+    assert max(0.5 * example.max_depth / size for example in examples) > 0.02
     # Half of each material's vertices are of the other's triangles; the rim stays where it was.
     with crumple.Context(threads=1) as context:
         loaded = context.load(out)
@@ -115,7 +117,7 @@ def test_the_solver_makes_examples_that_the_command_uses(tmp_path):
     assert command("apply", out, "--impacts", impacts, "-o", tmp_path / "dented.glb").returncode == 0
     assert "2 examples know their blow" in command("info", out).stdout or "blows" in command("info", out).stdout
     page = (tmp_path / "out_report/index.html").read_text()
-    assert "example_02.png" in page and (tmp_path / "out_report/example_02.png").stat().st_size > 3000
+    assert "example_0002.png" in page and (tmp_path / "out_report/example_0002.png").stat().st_size > 3000
     # What is made is kept: the same file again, without a simulation, and two more examples on top.
     first = out.read_bytes()
     assert command(*asked).returncode == 0
@@ -246,7 +248,9 @@ def test_limits_are_in_the_units_of_the_mesh(scale, tmp_path):
 
     points, triangles = bodies.panel(15)
     scaled = points / np.abs(scale) * np.sign(scale)
-    path = bodies.write(tmp_path / "body.glb", [(scaled, triangles[:, ::-1] if scale[0] < 0 else triangles)], scale=scale, translation=[0, 0, 1])
+    path = bodies.write(
+        tmp_path / "body.glb", [(scaled, triangles[:, ::-1] if scale[0] < 0 else triangles)], scale=scale, translation=[0, 0, 1]
+    )
     body = Body(path)
     solids = inner.read(["capsule:0,-0.5,1,0,-0.5,1,0.3"], body, 1.0)
     limits = inner.limits(body, solids)
@@ -256,18 +260,219 @@ def test_limits_are_in_the_units_of_the_mesh(scale, tmp_path):
     assert (limits <= near + 1e-6 * near.max()).all() and (limits > 0.9 * near).all()
 
 
-def test_where_to_hit_next_is_where_the_set_is_worst(tmp_path):
-    from crumple.examples.places import Places
+def planned(tmp_path, **mesh):
+    """A bowed sheet as a shell, and a plan for it."""
+    from crumple.examples import symmetry
+    from crumple.examples.materials import MATERIALS
+    from crumple.examples.plan import Plan
 
-    made = shell.make(Body(bodies.write(tmp_path / "body.glb", [bodies.panel()])), 600, "auto")
-    places = Places(made)
-    assert not made.held[places.open].any()
-    taken = [np.array(one) for one in ((-0.3, 0.1, -0.3), (-0.3, 0.1, 0.3), (0.3, 0.1, -0.3), (0.3, 0.1, 0.3), (0, 0.12, 0))]
-    vertex = places.next(taken, [0.1, 0.1, 0.1, 1.5, 0.1])
-    near = np.linalg.norm(np.array(taken) - made.points[vertex], axis=1).argmin()
-    assert near == 3
-    spread = places.next(taken[:2], [None, None])
-    assert made.points[spread][0] > 0.3
+    body = Body(bodies.write(tmp_path / "body.glb", [bodies.panel()], **mesh))
+    made = shell.make(body, 600, "auto")
+    mirror, notes = symmetry.find(body, made.points, made.held, made.room)
+    return (
+        made,
+        mirror,
+        notes,
+        lambda **more: Plan(made, MATERIALS["steel"], 0.0008, ["ball", "stone"], 30.0, 1, more.get("mirror", mirror)),
+    )
+
+
+def test_blows_fill_the_space_of_place_energy_and_size(tmp_path):
+    from crumple.examples.plan import POOL, Tried
+    from crumple.examples.symmetry import Symmetry
+
+    made, _, _, plan = planned(tmp_path)
+    plan, energies, known, chosen = plan(mirror=Symmetry()), (1.0, 100.0), [], []
+    assert not made.held[plan.open].any()
+    for index in range(40):
+        blow = plan.next(index, energies, known)
+        known.append(Tried(plan.features(blow, energies), 1.0))
+        chosen.append(blow)
+    own = np.log([0.5 * one.mass * (one.speed * (one.direction @ one.normal)) ** 2 for one in chosen])
+    assert own.min() < np.log(3) and own.max() > np.log(33) and abs(own.mean() - np.log(10)) < 0.7
+    assert {one.radius < 0.027 * made.size for one in chosen} == {True, False}
+
+    # They are less alike than blows that are only drawn.
+    def spacing(blows):
+        found = np.array([plan.features(one, energies) for one in blows])
+        return np.median(np.sort(np.linalg.norm(found[:, None] - found[None], axis=2), axis=1)[:, 1])
+
+    assert spacing(chosen) > 1.2 * spacing(plan.draw(64 * POOL, 64, energies)[:40])
+    again = planned(tmp_path)[3](mirror=Symmetry())
+    assert (again.next(0, energies, []).point == chosen[0].point).all()
+    # The next one goes where the set knows least.
+    right = [Tried(one.features, 2.0 if blow.point[0] > 0 else 0.5) for one, blow in zip(known, chosen, strict=True)]
+    assert sum(plan.next(index, energies, right).point[0] > 0 for index in range(40, 60)) >= 15
+
+
+def test_of_a_symmetric_body_one_side_is_hit(tmp_path):
+    made, mirror, notes, plan = planned(tmp_path, rotation=[0, np.sin(0.4), 0, np.cos(0.4)])
+    assert len(mirror.normals) == 2 and "one side is hit" in notes[0]
+    sides = np.array([(one.point - mirror.centre) @ np.array(mirror.normals).T for one in plan().draw(0, 64, (1.0, 9.0))])
+    assert (sides >= 0).all() and (sides.max(0) > 0.3).all()
+    assert np.allclose(mirror.folded(mirror.centre - mirror.normals[0]), mirror.centre + mirror.normals[0])
+    # If one side is held, both are hit.
+    points, triangles = bodies.panel()
+    colours = np.where(points[:, :1] < -0.35, [1.0, 0, 0, 1], [1.0, 1, 1, 1])
+    from crumple.examples import symmetry
+
+    body = Body(bodies.write(tmp_path / "held.glb", [(points, triangles)], colours=colours))
+    made = shell.make(body, 600, "auto")
+    mirror, notes = symmetry.find(body, made.points, made.held, made.room)
+    assert len(mirror.normals) == 1 and abs(mirror.normals[0][2]) == 1 and "not" in notes[0]
+
+
+def dents(made, count, seed=1):
+    """Round dents that know their blows, by a law that is easy to learn."""
+    rng = np.random.default_rng(seed)
+    round_ones, out = profile.Profile(made.points, made.normals, made.held, made.size), []
+    places = np.flatnonzero(made.to_held > 0.2)
+    for k in range(count):
+        at, speed = int(rng.choice(places)), float(rng.uniform(2, 8))
+        normal = made.normals[at]
+        moved = -0.004 * speed * normal
+        blow = dict(impulse=-speed * normal, duration=0.01, mass=1.0, radius=0.1, velocity=-speed * normal, shape="ball")
+        out.append(run.Made(f"ball {k + 1}", round_ones.dent(at, moved), made.points[at], normal, **blow))
+    return out
+
+
+def test_one_metric_judges_examples_and_round_dents(tmp_path):
+    made = planned(tmp_path)[0]
+    assert judge.judge(made, dents(made, 7)) is None
+    judged = judge.judge(made, dents(made, 24))
+    # Round dents are exactly what a round dent predicts, and nearly what other round dents do.
+    assert judged.count == 24 and judged.round < 1e-6 and judged.blow < 0.4 and judged.displacement < 0.4
+    assert "good" in judged.words()
+    rng = np.random.default_rng(3)
+    noise = [run.replace(one, field=one.field * rng.choice([-1, 0.02, 1])) for one in dents(made, 24)]
+    assert judge.judge(made, noise).blow > judged.blow + 0.2
+
+
+def test_a_set_that_predicts_nothing_is_a_failure_with_its_cause(tmp_path):
+    from crumple.examples import command
+
+    bad = judge.Judged(20, 1.02, 1.6, 0.7, 0.8, {})
+    failure = command._failure(bad, run.Run([], [], bad), ["Warning: it stands on 3% of its ground plan; is y up?"])
+    assert "predicts nothing (error 1.02" in str(failure) and "stands on 3%" in str(failure) and "depths are not" in str(failure)
+    assert command._failure(judge.Judged(20, 0.8, 1.2, 0.7, 0.8, {}), run.Run([], [], None), []) is None
+
+
+def test_a_run_ends_when_more_hits_do_not_help(tmp_path):
+    made, _, _, plan = planned(tmp_path)
+    settings = run.Settings("steel", 0.0008, "auto", ("ball",), (0.004, 0.08), 30.0, 600, 1)
+    some = dents(made, 128)
+    blow = plan().draw(0, 1, (1.0, 2.0))[0]
+    state = run._State(plan(), settings, [run.Result(k, blow, one, None, 0.01, 1.0) for k, one in enumerate(some)])
+    state.judged, state.curve = judge.Judged(99, 0.60, 1.0, 0.5, 0.6, {}), [(62, 0.61, 1.0), (128, 0.60, 1.0)]
+    assert "no longer help" in state.done(300, None, False)
+    assert state.done(300, None, True) is None and "--until-error" in state.done(300, 0.6, True)
+    state.curve[0] = (62, 0.7, 1.0)
+    assert state.done(300, None, False) is None and "all examples" in state.done(128, None, False)
+
+
+def test_what_breaks_the_shell_lowers_the_hardest_blows(tmp_path):
+    made, _, _, plan = planned(tmp_path)
+    settings = run.Settings("steel", 0.0008, "auto", ("ball",), (0.004, 0.08), 30.0, 600, 1)
+    state = run._State(plan(), settings, [])
+    low, high = state.energies()
+    hard = [run.Result(10 + k, blow, None, run.UNSTABLE, 0.0, 1.0) for k, blow in enumerate(plan().draw(0, 8, (0.9 * high, high)))]
+    state.results = hard
+    assert state.energies()[0] == low and 3 * low * 0.7 <= state.energies()[1] < 0.8 * high
+
+
+def test_a_free_body_bends_and_does_not_fly_away(tmp_path):
+    from crumple.examples.flight import Blow
+    from crumple.examples.materials import MATERIALS
+    from crumple.examples.solver import Solver, without_motion
+
+    made = shell.make(Body(bodies.write(tmp_path / "body.glb", [bodies.panel()])), 400, "free")
+    assert not made.held.any() and "free" in made.notes[-1]
+    vertex = int(np.linalg.norm(made.points - [0.1, 0.12, 0.05], axis=1).argmin())
+    normal = made.normals[vertex]
+    outcome = Solver(made, MATERIALS["steel"], 0.0008).strike(Blow(made.points[vertex], normal, -normal, 8.0, 10.0, 0.08, "ball"))
+    assert outcome.trouble is None and outcome.steps > 50
+    length = np.linalg.norm(outcome.field, axis=1)
+    assert length.max() > 0.003 and np.median(length) < 0.4 * length.max()
+    # A turned and shifted body is not dented at all.
+    a = 0.3
+    turn = np.array([[np.cos(a), 0, np.sin(a)], [0, 1, 0], [-np.sin(a), 0, np.cos(a)]])
+    assert np.abs(without_motion(made.points, made.points @ turn.T + [1, 2, 3] - made.points)).max() < 1e-9
+
+
+def test_odd_holds_and_loose_parts_are_named(tmp_path):
+    sphere = trimesh.creation.icosphere(4)
+    pierced = sphere.faces[np.linalg.norm(sphere.triangles_center - [0, 0, 1], axis=1) > 0.2]
+    head = Body(bodies.write(tmp_path / "head.glb", [(sphere.vertices, pierced)]))
+    hanging = shell.make(head, 500, "edges")
+    assert len(hanging.warnings) == 1 and "hangs by 1 open edges" in hanging.warnings[0] and hanging.points[hanging.held][:, 2].min() > 0.9
+    standing = shell.make(head, 500, "auto")
+    assert standing.notes[0].startswith("1 small holes are not held") and standing.points[standing.held][:, 1].max() < -0.7
+    box = trimesh.creation.box((0.2, 2.0, 0.2)).subdivide().subdivide().subdivide()
+    flat = trimesh.creation.box((2.0, 1.0, 2.0)).subdivide().subdivide().subdivide()
+    lamp = trimesh.util.concatenate([flat, trimesh.creation.box((0.1, 0.3, 0.1)).apply_translation([0.5, -0.9, 0])])
+    path = bodies.write(
+        tmp_path / "lamp.glb",
+        [(flat.vertices, flat.faces), (lamp.vertices[len(flat.vertices) :], lamp.faces[len(flat.faces) :] - len(flat.vertices))],
+    )
+    made = shell.make(Body(path), 500, "auto")
+    assert made.notes[0].startswith("1 loose parts of 2 follow") and "of paint 1 near (0.5, -0.9, 0)" in made.notes[0]
+    assert (
+        made.warnings == []
+        and shell.make(Body(bodies.write(tmp_path / "post.glb", [(box.vertices, box.faces)])), 500, "auto").warnings == []
+    )
+    upright = trimesh.creation.cone(0.5, 1.0, sections=48).subdivide().subdivide().subdivide()
+    tip = bodies.write(tmp_path / "tip.glb", [(upright.vertices[:, [0, 2, 1]] * [1, -1, 1], upright.faces)])
+    assert "stands on" in shell.make(Body(tip), 500, "auto").warnings[0]
+
+
+def test_many_examples_are_written_with_half_the_bytes(tmp_path):
+    from crumple.examples import body as bodies_of
+
+    path, sizes, fields = bodies.write(tmp_path / "body.glb", [bodies.panel(101)]), {}, {}
+    for count in (bodies_of.MANY - 1, bodies_of.MANY):
+        body, out = Body(path), tmp_path / f"{count}.glb"
+        body.write(out, profile.make(body, count, (0.01, 0.03)), {})
+        sizes[count] = (out.stat().st_size - path.stat().st_size) / count
+        check(path, out, count)
+        with crumple.Context(threads=1) as context:
+            loaded = context.load(out)
+            one = loaded.instance(examples_per_hit=1)
+            one.hit_displacement(loaded.examples[0].contact_point, -loaded.examples[0].depth * loaded.examples[0].contact_normal)
+            fields[count] = one.deformed().positions
+    few, many = sizes
+    assert sizes[many] < 0.6 * sizes[few]
+    assert np.abs(fields[few] - fields[many]).max() < 1e-4
+    assert "profile 50" in command("info", tmp_path / f"{many}.glb").stdout
+
+
+def test_interrupted_runs_keep_every_finished_hit(tmp_path):
+    import signal
+    import subprocess
+    import sys
+    import time
+
+    path, out = bodies.write(tmp_path / "body.glb", [bodies.panel()]), tmp_path / "out.glb"
+    asked = [sys.executable, "-m", "crumple", "examples", path, "-o", out, "--count", "40", "--detail", "300", "--jobs", "2", "--no-report"]
+    process = subprocess.Popen(list(map(str, asked)), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    until = time.monotonic() + 300
+    while len(list(tmp_path.glob("out_work/0*.npz"))) < 5 and time.monotonic() < until:
+        time.sleep(0.05)
+    # As a terminal does: to the whole group.
+    import os
+
+    os.killpg(process.pid, signal.SIGINT)
+    said, wrong = process.communicate(timeout=120)
+    kept = sorted(tmp_path.glob("out_work/0*.npz"))
+    assert process.returncode == 130 and "every finished hit is kept" in wrong and "Traceback" not in wrong, wrong
+    assert len(kept) >= 5 and len(kept) >= said.count(" kg, ") and not list(tmp_path.glob("out_work/*.part"))
+    before = {one.name: one.read_bytes() for one in kept}
+    asked[asked.index("40")] = str(len(kept) + 1)
+    done = subprocess.run(list(map(str, asked)), capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    with crumple.Context(threads=1) as context:
+        # Slight dents may miss the mesh's own vertices.
+        assert len(kept) // 2 < context.load(out).info.example_count <= len(kept) + 1
+    assert all((tmp_path / "out_work" / name).read_bytes() == data for name, data in before.items())
 
 
 def test_messages(tmp_path, capsys):
@@ -283,11 +488,13 @@ def test_messages(tmp_path, capsys):
     dust = bodies.write(
         tmp_path / "dust.glb", [tuple(map(np.array, ([[k, 0, 0], [k + 0.5, 0, 0], [k, 0.5, 0]], [[0, 1, 2]]))) for k in range(50)]
     )
+    huge = bodies.write(tmp_path / "huge.glb", [bodies.panel(11, size=1000)])
     hole = bodies.write(tmp_path / "hole.glb", [(sphere.vertices, sphere.faces[1:])])
     text = tmp_path / "text.glb"
     text.write_text("no glTF\n")
     capsys.readouterr()
     for arguments, message in [
+        ([dust, "--unit", "1"], "join them"),
         ([done], "has morph targets already"),
         ([tmp_path / "missing.glb"], "there is no file"),
         ([text], "cannot be read as glTF 2.0"),
@@ -299,11 +506,11 @@ def test_messages(tmp_path, capsys):
         ([flat], "have no area"),
         ([closed, "--hold", "edges"], "no open edges"),
         ([panel, "--hold", "marked"], "paint it red"),
-        ([dust], "join them"),
         ([panel, "--inner", panel], "has no triangles"),
         ([panel, "--inner", hole], "--inner body: "),
         ([panel, "--inner", f"{closed}/engine"], "has no node engine; it has: body"),
         ([panel, "--inner", "capsule:0,0,0,1,1,1"], "seven numbers"),
+        ([huge], "add --unit 0.001 if it is in millimetres (1.42 m)"),
         ([panel, "--unit", "0.0001", "--thickness", "0.8"], "the unit may be wrong"),
         ([panel, "--unit", "0.0001"], "MuJoCo refuses the shell"),
     ]:
@@ -314,11 +521,14 @@ def test_messages(tmp_path, capsys):
 
 
 def test_solver_troubles_name_what_to_change():
-    task = run.Task(0, 0, 0.01, 1.0)
-    assert "thicker sheet" in run.advice([run.Result(task, None, ["3 m/s, 1 kg: the solver became unstable"])])
-    assert "--hold" in run.advice([run.Result(task, None, ["3 m/s, 1 kg: the shell did not come to rest"])])
-    assert "--strikers ball wall" in run.advice([run.Result(task, None, ["3 m/s, 1 kg: the wall touched another place first"])])
-    assert "another --depth" in run.advice([run.Result(task, None, ["3 m/s, 1 kg: 0.1 mm"])])
+    def failed(trouble):
+        return run.Result(0, None, None, trouble, 0.0, 1.0)
+
+    assert "thicker sheet" in run.advice([failed("the solver became unstable")])
+    assert "--hold" in run.advice([failed("the shell did not come to rest")])
+    assert "--strikers ball wall" in run.advice([failed("the wall touched another place first")])
+    both = run.advice([failed("the blow left nothing"), failed("the solver became unstable"), failed("the solver became unstable")])
+    assert "larger --depth" in both and both.index("(2 of 3 hits)") < both.index("(1 of 3 hits)")
 
 
 def test_what_is_painted_red_is_held(tmp_path):

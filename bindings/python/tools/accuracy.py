@@ -1,20 +1,19 @@
-"""How well a set that `crumple examples` makes predicts a finer simulation of impacts that it has not seen.
+"""Minutes and expected error against the number of examples that `crumple examples` makes.
 
-    python bindings/python/tools/accuracy.py [BODY.glb | can | framed] [--count 12] [--unseen 8] [--detail 1200] [--out FOLDER]
+    python bindings/python/tools/accuracy.py [hood] [drum] [framed] [can] [BODY.glb ...] [--count 24 60 120] [--out FOLDER]
 
-The body is the demo's hood, or a closed can or a panel on a frame, which tests/bodies.py makes.
-
-The unseen impacts are drawn with another seed, with depths and places of their own, and are simulated on a shell with four times as many
-points, and so with half the time step. The error is the relative L2 norm of the displacement over the body's points; no dent at all has error 1.
-Told the blow: contact point and normal, the striker's mass, velocity and radius, and the normal momentum as the impulse, as a rigid-body
-engine reports it. With one factor: the predicted displacement of the contact is multiplied by the median of true over predicted depths of the
-other unseen impacts, as one calibrates a game's impulses. The run can be interrupted and repeated.
+The hood and the drum are the demo's; framed, a panel on a frame of ribs, and can are those of tests/bodies.py. The examples are made as the
+command does with --quality good, and judged by hits that they do not contain: blows drawn at random with another seed, on the same shell, and
+some of them on a shell with more points. The error is the relative L2 norm of the displacement over all points of the shell; no dent is 1.
+Told the blow: the contact's place and normal, and the striker's mass, velocity and radius. Told the displacement: where the contact went.
+Minutes are those of one core, by the processes' own clocks. The run can be interrupted and repeated. It writes FOLDER/BODY.csv.
 """
 
 from __future__ import annotations
 
 import argparse
 import csv
+import os
 import platform
 import sys
 from dataclasses import replace
@@ -23,136 +22,133 @@ from pathlib import Path
 import numpy as np
 
 import crumple
-from crumple.examples import profile, run, shell
-from crumple.examples.body import Body, Made
+from crumple.examples import command, judge, profile, run, shell, symmetry
+from crumple.examples.body import Body, Floats, Made
 from crumple.examples.materials import MATERIALS
-from crumple.examples.places import MARGIN, Places, as_example
+from crumple.examples.plan import Plan
 from crumple.examples.solver import Solver
 
 REPOSITORY = Path(__file__).resolve().parents[3]
-COLUMNS = ("set_told_blow", "set_told_blow_one_factor", "set_told_displacement", "profile_told_displacement", "coarse_solver")
+COLUMNS = (
+    "examples",
+    "hits",
+    "minutes",
+    "told_blow",
+    "told_blow_p90",
+    "told_displacement",
+    "round_dent",
+    "fine_told_blow",
+    "fine_coarse_shell",
+)
+FINER = 2.5
+"""Points of the finer shell by those of the usual one."""
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("body", nargs="?", type=Path, default=REPOSITORY / "assets/demo/hood.glb")
-    parser.add_argument("--count", type=int, default=12)
-    parser.add_argument("--unseen", type=int, default=8)
-    parser.add_argument("--detail", type=int, default=1200, help="points of the shell; the truth's has four times as many")
+    parser.add_argument("bodies", nargs="*", default=["hood", "drum", "framed"])
+    parser.add_argument("--count", type=int, nargs="+", default=[24, 60, 120])
+    parser.add_argument("--unseen", type=int, default=24)
+    parser.add_argument("--fine", type=int, default=6, help="how many of the unseen hits are also made on a finer shell (default 6)")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--out", type=Path, default=REPOSITORY / "out/accuracy")
     options = parser.parse_args()
-    if str(options.body) in ("can", "framed"):
-        options.body = scripted(str(options.body), options.out)
-    body = Body(options.body, replace=True)
-    depth = (0.005 * body.size, 0.03 * body.size)
-    settings = run.Settings("steel", MATERIALS["steel"].thickness, "auto", ("ball",), depth, 30.0, options.detail, 1)
-    folder = options.out / options.body.stem
-    coarse = shell.make(body, options.detail, "auto")
+    for name in options.bodies:
+        measure(name, options)
+
+
+def measure(name: str, options: argparse.Namespace) -> None:
+    path = body_file(name, options.out)
+    body, folder = Body(path, replace=True), options.out / path.stem
+    asked = command._parser().parse_args([str(path)])
+    depth = tuple(share * body.size for share in command.DEPTH)
+    solid = shell.make(body, command._points(body, asked), "auto")
+    mirror, _ = symmetry.find(body, solid.points, solid.held, solid.room)
+    material, thickness = MATERIALS["steel"], MATERIALS["steel"].thickness
+    settings = run.Settings("steel", thickness, "auto", ("ball",), depth, 30.0, len(solid.points), 1)
+    plan = Plan(solid, material, thickness, ("ball",), 30.0, 1, mirror, depth)
+    print(f"{name}: {body.size:.2f} m, {len(solid.points)} points, edges of {1000 * solid.edge:.0f} mm", flush=True)
     done = run.run(
-        body,
-        coarse,
-        settings,
-        run.Store(folder / "set", body, coarse, settings),
-        options.count,
-        progress=lambda n, e, t: print(n, t, e, flush=True),
-    )
-    unseen = truth(body, replace(settings, seed=2), folder / "unseen", options.unseen, lambda p: run.stiffness(done.results, coarse, p))
-    carrier = shell.Carrier(coarse, body.points)
-    examples = [replace(made, field=carrier.field(made.field)) for made in done.made]
-    solver = Solver(coarse, MATERIALS[settings.material], settings.thickness)
-    rows = []
-    with crumple.Context(threads=1) as context:
-        own = built(context, body, examples)
-        generic = built(context, body, profile.make(body, options.count, depth))
-        ratios = [depth_ratio(own, body, made) for made, _ in unseen]
-        for number, (made, flight) in enumerate(unseen):
-            vertex = int(np.linalg.norm(body.points - made.point, axis=1).argmin())
-            moved = made.field[vertex]
-            factor = float(np.median(ratios[:number] + ratios[number + 1 :]))
-            again = solver.strike(flight)
-            fields = (
-                told(own, made, None), told(own, made, factor * predicted(own, made)), told(own, made, moved), told(generic, made, moved),
-                np.zeros_like(body.points) if again.field is None else carrier.field(again.field),
-            )  # fmt: skip
-            row = [1000 * np.linalg.norm(moved), *(float(np.linalg.norm(f - made.field) / np.linalg.norm(made.field)) for f in fields)]
-            rows.append(row)
-            print(f"{made.name}: {row[0]:.1f} mm;", ", ".join(f"{name} {value:.2f}" for name, value in zip(COLUMNS, row[1:], strict=True)))
-    with (folder / "accuracy.csv").open("w", newline="") as file:
+        plan, settings, run.Store(folder / "set", body, solid, settings), max(options.count), jobs=options.jobs, go_on=True,
+        progress=lambda now: print(f"{now.made}: {now.text}", flush=True) if now.text else None,
+    )  # fmt: skip
+    state = run._State(plan, settings, done.results)
+    # Anywhere on the body, also on the sides that the mirror images are for.
+    free = Plan(solid, material, thickness, ("ball",), 30.0, 2, symmetry.Symmetry(), depth)
+    blows = free.draw(0, 1 << (2 * options.unseen).bit_length(), state.energies())
+    unseen = hits(solid, replace(settings, seed=2), folder / "unseen", body, blows, options.unseen, solid)
+    seen = [result for result in unseen if np.linalg.norm(result.made.field, axis=1).max() >= judge.SEEN * solid.size]
+    fine = shell.make(body, int(FINER * len(solid.points)), "auto")
+    again = {}
+    if options.fine:
+        finer = hits(fine, replace(settings, seed=3), folder / "fine", body, [result.blow for result in seen], options.fine, solid)
+        again = {finer_one.blow.point.tobytes(): finer_one.made for finer_one in finer}
+    rows = [row(count, solid, done, seen, again) for count in options.count]
+    with (options.out / f"{path.stem}.csv").open("w", newline="") as file:
         table = csv.writer(file, lineterminator="\n")
-        table.writerow(("depth_mm", *COLUMNS))
-        table.writerows([f"{value:.4g}" for value in row] for row in rows)
-    print(f"{options.body.stem}, {len(done.made)} examples, {len(rows)} unseen impacts, on {processor()}; median / 90th percentile:")
-    for name, values in zip(COLUMNS, np.array(rows).T[1:], strict=True):
-        print(f"  {name:26} {np.median(values):.2f} / {np.quantile(values, 0.9):.2f}")
+        table.writerow(COLUMNS)
+        table.writerows(rows)
+    print(f"{path.stem}, {len(seen)} unseen hits, {len(again)} of them on {len(fine.points)} points, on {processor()}:")
+    print("\n".join(", ".join(f"{name} {value}" for name, value in zip(COLUMNS, one, strict=True)) for one in rows), flush=True)
 
 
-def scripted(name: str, folder: Path) -> Path:
-    """Writes one of the tests' bodies as a file."""
+def row(count: int, solid: shell.Shell, done: run.Run, unseen: list[run.Result], again: dict[bytes, Made]) -> tuple:
+    """One line of the table: the set of the first examples."""
+    taken, examples = [], []
+    for result in done.results:
+        if len(examples) < count:
+            taken.append(result)
+            examples += [result.made] if result.made is not None else []
+    dents = profile.Profile(solid.points, solid.normals, solid.held, solid.size)
+    blow, moved, generic, fine, coarse = [], [], [], [], []
+    with crumple.Context(threads=1) as context:
+        body = context.example_set(solid.points, solid.triangles, [judge.as_example(solid.points, made) for made in examples]).instance()
+        for result in unseen:
+            made = result.made
+            vertex = int(np.linalg.norm(solid.points - made.point, axis=1).argmin())
+            told = judge.by_blow(body, made)
+            blow.append(judge.error(made, told))
+            moved.append(judge.error(made, judge.by_displacement(body, made, made.field[vertex])))
+            generic.append(judge.error(made, dents.dent(vertex, made.field[vertex])))
+            truth = again.get(result.blow.point.tobytes())
+            if truth is not None:
+                fine.append(judge.error(truth, told))
+                coarse.append(judge.error(truth, made.field))
+    middle = lambda values: f"{np.median(values):.3f}" if values else ""  # noqa: E731
+    minutes = sum(result.seconds for result in taken) / 60
+    p90 = f"{np.quantile(blow, 0.9):.3f}"
+    return len(examples), len(taken), f"{minutes:.1f}", middle(blow), p90, middle(moved), middle(generic), middle(fine), middle(coarse)
+
+
+def hits(of: shell.Shell, settings: run.Settings, folder: Path, body: Body, blows: list, count: int, onto: shell.Shell) -> list[run.Result]:
+    """The first `count` hits that leave a dent, with their fields at the points of another shell."""
+    store = run.Store(folder, body, of, settings)
+    kept = {result.index: result for result in store.read()}
+    solver, carrier, found = Solver(of, MATERIALS[settings.material], settings.thickness), shell.Carrier(of, onto.points), []
+    for index, blow in enumerate(blows):
+        if len(found) == count:
+            break
+        result = kept.get(index) or run.strike(solver, index, blow)
+        if index not in kept:
+            store.write(result)
+            print(f"unseen {index} on {len(of.points)} points: {result.words()}", flush=True)
+        if result.made is not None:
+            field: Floats = result.made.field if of is onto else carrier.field(result.made.field)
+            found.append(replace(result, made=replace(result.made, field=field)))
+    return found
+
+
+def body_file(name: str, folder: Path) -> Path:
+    """The demo's mesh, one of the tests' bodies, which is written as a file, or a file."""
+    demo = REPOSITORY / f"assets/demo/{name}.glb"
+    if demo.is_file() or Path(name).is_file():
+        return demo if demo.is_file() else Path(name)
     sys.path.insert(0, str(REPOSITORY / "bindings/python/tests"))
     import bodies
 
     folder.mkdir(parents=True, exist_ok=True)
     points, triangles, *colours = getattr(bodies, name)()
     return bodies.write(folder / f"{name}.glb", [(points, triangles)], name=name, colours=colours[0] if colours else None)
-
-
-def truth(body: Body, settings: run.Settings, folder: Path, count: int, stiffness):
-    """The unseen impacts with their fields at the body's points, and their blows."""
-    settings = replace(settings, detail=4 * settings.detail)
-    fine = shell.make(body, settings.detail, "auto")
-    carrier = shell.Carrier(fine, body.points)
-    store = run.Store(folder, body, fine, settings)
-    # Any dent is as good as the wanted one here.
-    maker = run.Maker(fine, settings, near_enough=10)
-    results = list(store.read())
-    rng = np.random.default_rng(settings.seed)
-    places = rng.choice(Places(fine, MARGIN).open, 10 * count)
-    depths = np.exp(rng.uniform(*np.log(settings.depth), 10 * count))
-    while sum(result.made is not None for result in results) < count and len(results) < 3 * count:
-        index = len(results)
-        vertex = int(places[index])
-        result = maker.do(run.Task(index, vertex, float(depths[index]), stiffness(fine.points[vertex])))
-        store.write(index, result)
-        results.append(result)
-        print("unseen", index, result.tries, flush=True)
-    unseen = []
-    for result in results:
-        made = result.made
-        if made is not None:
-            speed = float(np.linalg.norm(made.velocity))
-            blow = run.Blow(made.point, made.normal, made.velocity / speed, speed, made.mass, made.radius, made.shape)
-            unseen.append((replace(made, field=carrier.field(made.field)), blow))
-    return unseen
-
-
-def built(context: crumple.Context, body: Body, examples: list[Made]) -> crumple.Instance:
-    return context.example_set(body.points, body.triangles, [as_example(body.points, made) for made in examples]).instance()
-
-
-def told(instance: crumple.Instance, made: Made, displacement) -> np.ndarray:
-    """The field that is predicted for the blow, or for a displacement of its contact."""
-    instance.reset()
-    if displacement is None:
-        blow(instance, made)
-    else:
-        instance.hit_displacement(made.point, displacement)
-    return instance.deformed().positions.astype(float) - instance.set.mesh().positions
-
-
-def blow(instance: crumple.Instance, made: Made, preview: bool = False) -> crumple.HitResult:
-    impulse = made.mass * float(made.velocity @ made.normal) * made.normal
-    striker = crumple.Striker(made.mass, made.radius, made.velocity)
-    return instance.hit(made.point, impulse, made.duration, normal=made.normal, striker=striker, preview=preview)
-
-
-def predicted(instance: crumple.Instance, made: Made) -> np.ndarray:
-    """The displacement of the contact that the set expects of the blow."""
-    return blow(instance, made, preview=True).target
-
-
-def depth_ratio(instance: crumple.Instance, body: Body, made: Made) -> float:
-    vertex = int(np.linalg.norm(body.points - made.point, axis=1).argmin())
-    return float(np.linalg.norm(made.field[vertex]) / np.linalg.norm(predicted(instance, made)))
 
 
 def processor() -> str:

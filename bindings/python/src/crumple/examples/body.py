@@ -12,8 +12,15 @@ from numpy.typing import NDArray
 from . import Failure
 from .gltf import File
 
+_QUANTISED = "KHR_mesh_quantization"
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+
+MANY = 50
+"""From so many examples on, their displacements are written as 16-bit numbers, which need KHR_mesh_quantization."""
+SHORT = 32767
+INVISIBLE = 3e-5
+"""Steps of 16-bit displacements are at most this share of the diagonal; else they stay floats."""
 
 
 @dataclass
@@ -49,6 +56,7 @@ class Body:
             for primitive in self.mesh.primitives:
                 primitive.targets = []
         positions, triangles, normals, held, start = [], [], [], [], 0
+        material: list[int] = []
         self._parts: list[tuple[Any, slice]] = []
         for primitive in self.mesh.primitives:
             points, corners = self._file.surface(primitive, self.name, start)
@@ -56,6 +64,7 @@ class Body:
             positions.append(points)
             if corners is not None:
                 triangles.append(start + corners)
+                material += [-1 if primitive.material is None else primitive.material] * len(corners)
             normal = primitive.attributes.NORMAL
             normals.append(np.zeros((0, 3)) if normal is None else self._file.accessor(normal).astype(np.float32))
             held.append(self._held(primitive, len(points)))
@@ -71,6 +80,8 @@ class Body:
         """How far each vertex may move, in the units of the mesh's own space; None if the file does not say."""
         self.world, self.origin = placed[:3, :3], placed[:3, 3]
         """Of the mesh's own space: the axes, m, and where its origin stands in the scene, m. `points` are relative to the origin."""
+        self.scale = float(np.cbrt(abs(np.linalg.det(self.world))))
+        """Metres in one unit of the mesh's own space; the mean if the node stretches it."""
         scales = np.linalg.svd(self.world, compute_uv=False)
         if scales[-1] <= 1e-9 * scales[0]:
             raise Failure(f"the node of {self.name} scales it to nothing; apply its scale and export it again")
@@ -79,17 +90,29 @@ class Body:
         self.points: Floats = distinct.astype(np.float64) @ self.world.T
         corners = self.of_vertex[np.concatenate(triangles)]
         whole = (corners[:, 0] != corners[:, 1]) & (corners[:, 1] != corners[:, 2]) & (corners[:, 2] != corners[:, 0])
-        corners = corners[whole]
+        corners, materials = corners[whole], np.array(material)[whole]
         if np.linalg.det(self.world) < 0:
             corners = corners[:, ::-1]
         # Of triangles on the same corners, one: two-sided faces are often exported twice.
         _, first = np.unique(np.sort(corners, axis=1), axis=0, return_index=True)
         self.triangles: Ints = corners[np.sort(first)]
+        self._materials = materials[np.sort(first)]
         if len(self.triangles) == 0:
             raise Failure(f"all triangles of {self.name} have no area")
         used = self.points[np.unique(self.triangles)]
         self.size = float(np.linalg.norm(used.max(0) - used.min(0)))
         """Diagonal of the bounds, m."""
+
+    def place(self, point: Floats) -> str:
+        """A point of `points` in the file's own space and units, for messages."""
+        x, y, z = np.linalg.inv(self.world) @ point
+        return f"({x:.3g}, {y:.3g}, {z:.3g})"
+
+    def where(self, which: NDArray[np.bool_]) -> str:
+        """What some of the triangles are: their materials and place, for messages."""
+        used = self.points[np.unique(self.triangles[which])]
+        names = [self.gltf.materials[one].name for one in np.unique(self._materials[which]) if one >= 0 and self.gltf.materials[one].name]
+        return f"{which.sum()} triangles{' of ' + ', '.join(names) if names else ''} near {self.place(used.mean(0))}"
 
     def _numbers(self, name: str) -> NDArray[np.float32] | None:
         """A number for each vertex, if all primitives have it."""
@@ -116,15 +139,16 @@ class Body:
         turned = _point_normals(self.points, self.triangles)
         for primitive, _ in self._parts:
             primitive.targets = []
+        exact = len(examples) < MANY or self.scale / SHORT > INVISIBLE * self.size
         for made in examples:
             local = (made.field @ back.T).astype(np.float32)
             turn = _rotations(turned, _point_normals(self.points + made.field, self.triangles))
             for primitive, part in self._parts:
                 of = self.of_vertex[part]
-                target = {"POSITION": self._target(blob, local[of])}
+                values = {"POSITION": local[of]}
                 if self.normals is not None:
-                    target["NORMAL"] = self._target(blob, self._normal_change(self.normals[part], turn[of]))
-                primitive.targets.append(target)
+                    values["NORMAL"] = self._normal_change(self.normals[part], turn[of])
+                primitive.targets.append(self._target(blob, values, exact))
         for primitive, part in self._parts if limits is not None else ():
             setattr(primitive.attributes, "_DEPTH_LIMIT", self._attribute(blob, limits[part]))  # noqa: B010
         self.mesh.weights = [0.0] * len(examples)
@@ -151,23 +175,38 @@ class Body:
         back /= np.maximum(np.linalg.norm(back, axis=1, keepdims=True), 1e-30)
         return np.where(np.abs(turn - np.eye(3)).max((1, 2))[:, None] > 0, back - normals, 0).astype(np.float32)
 
-    def _target(self, blob: bytearray, values: NDArray[np.float32]) -> int:
-        """Appends displacements of vertices as a sparse accessor and returns its index."""
+    def _target(self, blob: bytearray, values: dict[str, NDArray[np.float32]], exact: bool) -> dict[str, int]:
+        """Appends displacements of vertices as sparse accessors, which share their indices, and returns the accessors' indices.
+
+        They are floats if they must be exact, or if one is longer than the 16-bit numbers reach.
+        """
         from pygltflib import Accessor, AccessorSparseIndices, AccessorSparseValues, Sparse
 
-        moved = np.flatnonzero(values.any(1)).astype(np.uint32)
+        count = len(values["POSITION"])
+        moved = np.flatnonzero(np.any([one.any(1) for one in values.values()], axis=0))
         if len(moved) == 0:
-            moved = np.zeros(1, np.uint32)
-        some = values[moved]
-        least, most = values.min(0), values.max(0)
-        sparse = Sparse(
-            count=len(moved),
-            indices=AccessorSparseIndices(bufferView=self._append(blob, moved), componentType=5125),
-            values=AccessorSparseValues(bufferView=self._append(blob, some)),
-        )
-        accessor = Accessor(componentType=5126, count=len(values), type="VEC3", min=least.tolist(), max=most.tolist(), sparse=sparse)
-        self.gltf.accessors.append(accessor)
-        return len(self.gltf.accessors) - 1
+            moved = np.zeros(1, np.int64)
+        short = count <= 65536
+        view = self._append(blob, moved.astype(np.uint16 if short else np.uint32))
+        target = {}
+        for name, all_values in values.items():
+            quantised = not exact and (name == "NORMAL" or bool(np.abs(all_values).max() <= 1))
+            if quantised:
+                all_values = np.round(np.clip(all_values, -1, 1) * SHORT).astype(np.int16)
+                for extensions in (self.gltf.extensionsUsed, self.gltf.extensionsRequired):
+                    if _QUANTISED not in extensions:
+                        extensions.append(_QUANTISED)
+            sparse = Sparse(
+                count=len(moved),
+                indices=AccessorSparseIndices(bufferView=view, componentType=5123 if short else 5125),
+                values=AccessorSparseValues(bufferView=self._append(blob, all_values[moved])),
+            )
+            low, high = all_values.min(0).tolist(), all_values.max(0).tolist()
+            kind = 5122 if quantised else 5126
+            accessor = Accessor(componentType=kind, normalized=quantised, count=count, type="VEC3", min=low, max=high, sparse=sparse)
+            self.gltf.accessors.append(accessor)
+            target[name] = len(self.gltf.accessors) - 1
+        return target
 
     def _attribute(self, blob: bytearray, values: NDArray[np.float32]) -> int:
         """Appends a number for each vertex and returns the index of its accessor."""

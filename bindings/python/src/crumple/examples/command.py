@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import argparse
 import os
+import signal
 import sys
+import threading
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,14 +17,35 @@ import numpy as np
 
 import crumple
 
-from . import Failure
-from .body import Body, Made
+from . import Failure, units
+from .body import Body, Made, face_normals
 from .materials import MATERIALS, STRIKERS
+from .units import metres
 
 if TYPE_CHECKING:
     from .inner import Solid
+    from .judge import Judged
+    from .run import Progress, Run
 
-_NEEDED = "mujoco, pygltflib, pymeshlab, scipy, tqdm, matplotlib"
+_NEEDED = "mujoco pygltflib pymeshlab scipy tqdm matplotlib"
+DEPTH = (0.0025, 0.06)
+"""Of usual dents by the weakest and the strongest blows, as shares of the diagonal."""
+HEARTBEAT = 10.0
+"""Seconds between two lines while a hit runs, if the output is no terminal."""
+
+
+@dataclass(frozen=True)
+class Quality:
+    """How many hits, and how fine the shell is."""
+
+    count: int
+    edge: float
+    """Length of an edge by the radius of the smallest striker."""
+    points: tuple[int, int]
+    """Fewest and most of the shell."""
+
+
+QUALITIES = {"draft": Quality(24, 1.5, (300, 450)), "good": Quality(300, 1.0, (450, 800)), "best": Quality(1000, 0.7, (800, 1600))}
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -34,10 +58,15 @@ def _parser() -> argparse.ArgumentParser:
     add("body", type=Path, metavar="BODY.glb", help="the mesh, as .glb or .gltf")
     add("-o", "--output", type=Path, metavar="OUT.glb", help="default: BODY_examples.glb")
     add("--mesh", metavar="NAME", help="which mesh of the file; default: the one with the most triangles")
-    add("--count", type=_between(int, 1, 1000), default=12, help="number of examples (default 12)")
     add(
-        "--until-error", type=_positive, metavar="E", help="stop earlier, when the examples predict each other with this median error (0.2)"
+        "--quality",
+        choices=tuple(QUALITIES),
+        default="good",
+        help="draft: 24 hits, about a minute; good (default): up to 300, half an hour; best: up to 1000 on a finer shell, overnight",
     )
+    add("--count", type=_between(int, 1, 2000), help="most examples; default: what --quality says")
+    add("--until-error", type=_positive, metavar="E", help="stop earlier, when the expected error of a hit is this (0.4)")
+    add("--go-on", action="store_true", help="make all examples, also when more of them no longer lower the error")
     add("--material", choices=sorted(MATERIALS), default="steel", help="default steel")
     add(
         "--thickness",
@@ -47,9 +76,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     add(
         "--hold",
-        choices=("auto", "edges", "marked", "lowest"),
+        choices=("auto", "edges", "marked", "lowest", "free"),
         default="auto",
-        help="what does not move: the open edges; what is painted red (COLOR_0) or has an attribute _HELD above 0.5; or the lowest points. "
+        help="what does not move: the open edges; what is painted red (COLOR_0) or has an attribute _HELD above 0.5; or the lowest points; free: nothing. "
         "auto: the marked, else the open edges, else the lowest",
     )
     add("--strikers", nargs="+", choices=sorted(STRIKERS), default=["ball"], help="default ball")
@@ -60,11 +89,23 @@ def _parser() -> argparse.ArgumentParser:
         metavar="SOLID",
         help="closed solids inside that dents do not enter: FILE.glb, FILE.glb/NODE, or capsule:AX,AY,AZ,BX,BY,BZ,RADIUS, in the body's scene",
     )
-    add("--depth", nargs=2, type=_positive, metavar=("MIN", "MAX"), help="depths of the dents, mm; default 0.5 %% and 3 %% of the diagonal")
+    add(
+        "--depth",
+        nargs=2,
+        type=_positive,
+        metavar=("MIN", "MAX"),
+        help="depths, mm, that the weakest and the strongest blows leave at usual places; default 0.25 %% and 6 %% of the diagonal. What stiff and "
+        "soft places make of them is kept as it comes. With --profile: the depths of the dents",
+    )
     add("--tilt", type=_between(float, 0, 60), default=30.0, help="largest angle between flight and surface normal, degrees (default 30)")
-    add("--unit", type=_positive, default=1.0, metavar="M", help="metres in one unit of the scene (0.01 for centimetres; default 1)")
-    add("--detail", type=_between(int, 200, 50000), default=2500, metavar="N", help="points of the simulated shell, 200 to 50000 (default 2500)")
-    add("--jobs", type=_between(int, 1, 1000), default=1, help="simulations at a time (default 1)")
+    add("--unit", type=_positive, metavar="M", help="metres in one unit of the scene (0.01 for centimetres; default 1)")
+    add(
+        "--detail",
+        type=_between(int, 200, 50000),
+        metavar="N",
+        help="points of the simulated shell, 200 to 50000; default: as the strikers' size and --quality need, 300 to 1600",
+    )
+    add("--jobs", type=_between(int, 1, 1000), default=os.cpu_count() or 1, help="simulations at a time (default: all cores)")
     add("--seed", type=int, default=1, help="of the random blows (default 1)")
     add("--profile", action="store_true", help="no solver: generic round dents, which do not know their blows")
     add("--replace", action="store_true", help="replace morph targets that the mesh has")
@@ -75,6 +116,9 @@ def _parser() -> argparse.ArgumentParser:
 def main(arguments: list[str] | None = None) -> int:
     """Runs the command and returns its exit status."""
     options = _parser().parse_args(arguments)
+    if threading.current_thread() is threading.main_thread():
+        # Whoever ends the program, such as Blender, wants what Ctrl-C does.
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         _run(options)
     except Failure as failure:
@@ -84,14 +128,14 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"error: {error}", file=sys.stderr)
         return 1
     except ModuleNotFoundError as error:
-        print(f"error: {error.name} is missing; type: pip install 'crumple[examples]', which brings {_NEEDED}", file=sys.stderr)
+        print(f"error: {error.name} is missing; type: {sys.executable} -m pip install {_NEEDED}", file=sys.stderr)
         return 1
     except BrokenPipeError:
         # Whoever read the output has ended.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     except KeyboardInterrupt:
-        print("interrupted; repeat the command to go on with the examples that are made, or add --count for fewer", file=sys.stderr)
+        print("interrupted; every finished hit is kept. Repeat the command to go on, or repeat it with --count for fewer", file=sys.stderr)
         return 130
     return 0
 
@@ -105,122 +149,189 @@ def _run(options: argparse.Namespace) -> None:
     if not out.parent.is_dir():
         raise Failure(f"there is no folder {out.parent}")
     began = time.monotonic()
-    body = Body(options.body, options.mesh, options.unit, options.replace)
-    depth = tuple(1e-3 * value for value in options.depth) if options.depth else (0.005 * body.size, 0.03 * body.size)
+    body = Body(options.body, options.mesh, options.unit or 1.0, options.replace)
+    units.check(body.name, body.size, options.unit)
+    usual = (0.005, 0.03) if options.profile else DEPTH
+    depth = tuple(1e-3 * value for value in options.depth) if options.depth else (usual[0] * body.size, usual[1] * body.size)
     if not depth[0] < depth[1] <= 0.3 * body.size:
         raise Failure(
             f"--depth is {1000 * depth[0]:.3g} to {1000 * depth[1]:.3g} mm; it must rise, up to {300 * body.size:.3g} mm, 0.3 of the diagonal"
         )
-    print(f"{body.name}: {len(body.vertices)} vertices, {len(body.triangles)} triangles, {_metres(body.size)} across")
-    if not 0.05 <= body.size <= 50:
-        print(f"warning: {_metres(body.size)} is small or large for a body; say its unit with --unit if that is wrong")
-    words = [f"{body.path.name}: {len(body.vertices)} vertices, {_metres(body.size)} across."]
+    words = [f"{body.name}: {len(body.vertices)} vertices, {len(body.triangles)} triangles, {metres(body.size)} across."]
+    print(words[0])
     solids: list[Solid] = []
     limits = None
     if options.inner:
         from . import inner
 
-        solids = inner.read(options.inner, body, options.unit)
+        solids = inner.read(options.inner, body, options.unit or 1.0)
         limits = inner.limits(body, solids)
-        words.append(
-            f"{len(solids)} solids inside: no dent enters them. {(limits == 0).sum()} vertices begin in a solid and do not move."
-        )
+        words.append(f"{len(solids)} solids inside: no dent enters them. {(limits == 0).sum()} vertices begin in a solid and do not move.")
+        print(words[-1])
+    made: list[Made]
+    done: Run | None = None
     if options.profile:
-        made = _profiles(body, options.count, depth, words)
+        made = _profiles(body, options.count or 12, depth, words)
+        held = np.zeros((0, 3))
     else:
-        made = _simulated(body, options, depth, out, words, solids)
-    notes = {"made_by": f"crumple examples {crumple.__version__}", "solver": "none" if options.profile else "MuJoCo"}
-    body.write(out, made, notes, limits)
-    with crumple.Context() as context:
-        loaded = context.load(out, body.mesh.name)
-        info, each = loaded.info, loaded.examples
-    print(
-        f"{out}: {info.example_count} examples, {1000 * min(one.depth for one in each):.1f} to {1000 * max(one.depth for one in each):.1f} mm deep"
-    )
-    print(
-        f"expected error of a dent, told its depth: {_known(info.field_error)} (1 is no dent); of the depth, told the blow: {_known(info.depth_error)}"
-    )
-    print(f"{time.monotonic() - began:.1f} s")
+        made, done, held = _simulated(body, options, depth, out, words, solids)
+    judged = done.judged if done else None
+    words.append(_verdict(judged, options.profile, len(made)))
+    print(words[-1])
+    failure = _failure(judged, done, words)
+    if failure is None:
+        notes = {"made_by": f"crumple examples {crumple.__version__}", "solver": "none" if options.profile else "MuJoCo"}
+        if judged is not None:
+            notes |= {"expected_error": round(judged.blow, 3), "expected_error_p90": round(judged.worst, 3)}
+        body.write(out, made, notes, limits)
+        deepest = [float(np.linalg.norm(one.field, axis=1).max()) for one in made]
+        print(
+            f"{out}: {len(made)} examples, {1000 * min(deepest):.1f} to {1000 * max(deepest):.1f} mm deep, {out.stat().st_size / 1e6:.1f} MB. "
+            f"No hit dents deeper than {1000 * max(deepest):.0f} mm."
+        )
     if not options.no_report:
         from . import report
 
         folder = out.with_name(f"{out.stem}_report")
-        report.write(folder, body, made, info, each, words)
+        report.write(folder, body, made, held, done, words)
         print(f"report: {folder / 'index.html'}")
+    print(f"{time.monotonic() - began:.1f} s")
+    if failure is not None:
+        raise failure
+
+
+def _verdict(judged: Judged | None, profile: bool, count: int) -> str:
+    if profile:
+        return "Expected error: unknown, since without a solver there is nothing to compare round dents with. The solver's report compares both."
+    if judged is None:
+        return f"Expected error: unknown with {count} examples; 8 or more dents that can be seen are needed."
+    text = judged.words()
+    compared = f"Told the displacement of its contact: {judged.displacement:.2f}; a round dent of --profile: {judged.round:.2f}."
+    return f"{text[0].upper()}{text[1:]}. {compared}"
+
+
+def _failure(judged: Judged | None, done: Run | None, words: list[str]) -> Failure | None:
+    """Why a set is of no use."""
+    from .judge import NOTHING
+
+    if judged is None or done is None or judged.blow < NOTHING:
+        return None
+    causes = [word for word in words if word.startswith("Warning: ")]
+    if judged.displacement < 0.8 * judged.blow:
+        causes.append("the shapes are right and the depths are not: more examples (--count), or fewer kinds of --strikers, help most")
+    if len(done.made) < 60:
+        causes.append(f"{len(done.made)} examples are few: --count 300")
+    causes.append("perhaps the body sways or buckles as a whole: hold more of it (--hold marked), or make it thicker (--thickness)")
+    return Failure(f"the set predicts nothing (error {judged.blow:.2f}, no dent is 1), so no file is written; {'; '.join(causes)}")
 
 
 def _profiles(body: Body, count: int, depth: tuple[float, float], words: list[str]) -> list[Made]:
     from . import profile
 
-    words.append(
-        "These are generic round dents, made without a solver. In Crumple's lab one round profile, fitted to a body's own dents and told the "
-        "depth, has a median error of 0.23 on a smooth panel and 0.66 on a drum; examples of a solver have 0.10 and 0.14 there."
-    )
+    words.append("These are generic round dents, made without a solver.")
     words.append("They do not know their blows: give hits a duration and a mass (README, From impulse to depth), or a displacement.")
-    print("\n".join(words[1:-1]))
+    print("\n".join(words[1:]))
     return profile.make(body, count, depth)
+
+
+def _points(body: Body, options: argparse.Namespace) -> int:
+    """Points of the shell: its edges follow the smallest striker."""
+    quality = QUALITIES[options.quality]
+    area = 0.5 * float(np.linalg.norm(face_normals(body.points, body.triangles), axis=1).sum())
+    edge = quality.edge * min(STRIKERS[name].radius[0] for name in options.strikers) * body.size
+    return options.detail or int(np.clip(area / (0.866 * edge**2), *quality.points))
 
 
 def _simulated(
     body: Body, options: argparse.Namespace, depth: tuple[float, float], out: Path, words: list[str], solids: Sequence[Solid]
-) -> list[Made]:
-    from tqdm import tqdm
+) -> tuple[list[Made], Run, np.ndarray]:
+    """The examples on the body's points, the run, and the held points of the shell."""
+    from . import inner, run, shell, symmetry
+    from .plan import Plan
 
-    from . import inner, run, shell
-
+    first = len(words)
     usual = MATERIALS[options.material].thickness
     # A toy is not made of a car's sheet, nor a hall.
     thickness = 1e-3 * options.thickness if options.thickness else float(np.clip(usual, body.size / 5000, body.size / 500))
     if not options.thickness and thickness != usual:
         words.append(f"For a body of this size the sheet is {1000 * thickness:.3g} mm thick; --thickness changes it.")
-    solid = shell.make(body, options.detail, options.hold)
+    detail, count = _points(body, options), options.count or QUALITIES[options.quality].count
+    solid = shell.make(body, detail, options.hold)
     words.append(
         f"Shell: {len(solid.points)} points, edges of {1000 * solid.edge:.3g} mm, {solid.held.sum()} held. "
         f"{options.material.capitalize()}, {1000 * thickness:.3g} mm; struck by {', '.join(options.strikers)}."
     )
-    if solids:
-        solid = run.among(solid, solids, MATERIALS[options.material], thickness)
-    words += [note[0].upper() + note[1:] + "." for note in solid.notes]
-    print("\n".join(words[1:]))
     if thickness > 2 * solid.edge:
         raise Failure(
             f"the sheet is {1000 * thickness:.3g} mm thick, more than twice an edge of the shell; the unit may be wrong (--unit), or lower --detail"
         )
+    if solids:
+        solid = run.among(solid, solids, MATERIALS[options.material], thickness)
+    mirror, notes = symmetry.find(body, solid.points, solid.held, solid.room)
+    words += [note[0].upper() + note[1:] + "." for note in [*solid.notes, *notes]]
+    words += [f"Warning: {text}. The report shows what is held; --hold marked or --hold free changes it." for text in solid.warnings]
+    print("\n".join(words[first:]))
     settings = run.Settings(
-        options.material, thickness, options.hold, tuple(options.strikers), depth, options.tilt, options.detail, options.seed, inner.digest(solids)
+        options.material, thickness, options.hold, tuple(options.strikers), depth, options.tilt, detail, options.seed, inner.digest(solids)
     )
+    plan = Plan(solid, MATERIALS[options.material], thickness, options.strikers, options.tilt, options.seed, mirror, depth)
     store = run.Store(out.with_name(f"{out.stem}_work"), body, solid, settings)
-    with tqdm(total=options.count, unit="example", disable=None) as bar:
-
-        def progress(done: int, error: float | None, text: str) -> None:
-            bar.n = done
-            bar.set_postfix_str(f"{text}{'' if error is None else f', error {error:.2f}'}")
-            if bar.disable:
-                print(f"{done} of {options.count}: {text}{'' if error is None else f', error {error:.2f}'}", flush=True)
-
-        done = run.run(body, solid, settings, store, options.count, options.until_error, options.jobs, progress)
+    with _Bar(count) as bar:
+        done = run.run(plan, settings, store, count, options.until_error, options.jobs, options.go_on, bar.show)
+    cost = sum(result.seconds for result in done.results)
+    words.append(f"{len(done.made)} examples of {len(done.results)} hits, {cost / 60:.1f} minutes of a core; {done.why}.")
     failed = [result for result in done.results if result.made is None]
     if failed:
-        words.append(f"{len(failed)} places gave no example: {run.advice(failed)}.")
-        print(words[-1])
-    if len(done.made) < options.count and options.until_error is None:
-        print(f"warning: {len(done.made)} examples instead of {options.count}")
+        words.append(f"{len(failed)} hits gave no example: {run.advice(failed)}.")
+    print("\n".join(words[-2:] if failed else words[-1:]))
     carrier = shell.Carrier(solid, body.points)
     still = shell.still(body, solid, options.hold)
     carried = []
     for made in done.made:
         field = carrier.field(made.field)
         field[still] = 0
-        carried.append(Made(**{**made.__dict__, "field": run.quiet(field)}))
-    return carried
+        field = run.quiet(field, run.least(body.size))
+        # The library wants an example to move the vertex that was hit.
+        if field[np.linalg.norm(body.points - made.point, axis=1).argmin()].any():
+            carried.append(replace(made, field=field))
+    if not carried:
+        raise Failure("no blow left a dent on the mesh's own vertices; subdivide it, or choose a larger --depth")
+    if len(carried) < len(done.made):
+        words.append(f"{len(done.made) - len(carried)} dents are too slight for the mesh's own vertices and were left out.")
+        print(words[-1])
+    return carried, done, solid.points[solid.held]
 
 
-def _known(error: float | None) -> str:
-    return "unknown" if error is None else f"{error:.2f}"
+class _Bar:
+    """Shows the progress: a bar on a terminal, lines elsewhere."""
+
+    def __init__(self, count: int) -> None:
+        from tqdm import tqdm
+
+        self.count, self.said = count, time.monotonic()
+        self.bar = tqdm(total=count, unit="example", disable=None, bar_format="{n_fmt} of {total_fmt} |{bar}| {elapsed} {postfix}")
+
+    def __enter__(self) -> _Bar:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.bar.close()
+
+    def show(self, now: Progress) -> None:
+        parts = [now.text] if now.text else []
+        parts += [f"running: {' '.join(f'{share:.0%}' for share in now.running)}"] if now.running and not now.text else []
+        parts += [f"error {now.error:.2f}"] if now.error is not None else []
+        parts += [f"{_duration(now.seconds_left)} left"] if now.seconds_left is not None else []
+        if not self.bar.disable:
+            self.bar.n = now.made
+            self.bar.set_postfix_str(", ".join(parts))
+        elif now.text or time.monotonic() - self.said > HEARTBEAT:
+            self.said = time.monotonic()
+            print(f"{now.made} of {self.count}: {', '.join(parts)}", flush=True)
 
 
-def _metres(length: float) -> str:
-    return f"{length:.3g} m" if length >= 1 else f"{1000 * length:.3g} mm"
+def _duration(seconds: float) -> str:
+    return f"{seconds:.0f} s" if seconds < 90 else f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
 
 
 def _positive(text: str) -> float:

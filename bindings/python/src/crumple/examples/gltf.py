@@ -13,8 +13,8 @@ from . import Failure
 
 _TYPES = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _COMPONENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
-_TRIANGLES = 4
-_COMPRESSED = ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_mesh_quantization")
+_TRIANGLES, _FLOAT = 4, 5126
+_COMPRESSED = ("KHR_draco_mesh_compression", "EXT_meshopt_compression")
 
 
 class File:
@@ -49,7 +49,10 @@ class File:
 
     def surface(self, primitive: Any, name: str, first: int = 0) -> tuple[NDArray[np.float32], NDArray[np.int64] | None]:
         """The positions and triangles of a primitive; None for points and lines. `name` and `first` are for messages."""
-        points = self.accessor(primitive.attributes.POSITION).astype(np.float32)
+        position = primitive.attributes.POSITION
+        if self.gltf.accessors[position].componentType != _FLOAT:
+            raise Failure(f"{self.path}: the vertices of {name} are quantised; export it without quantisation")
+        points = self.accessor(position).astype(np.float32)
         if not np.isfinite(points).all():
             raise Failure(f"vertex {first + int(np.argwhere(~np.isfinite(points))[0, 0])} of {name} is not finite; export it again")
         if primitive.mode not in (None, _TRIANGLES):
@@ -111,7 +114,7 @@ def _read(path: Path) -> Any:
                 raise ValueError("it is no glTF 2.0")
             compressed = [name for name in gltf.extensionsRequired or [] if name in _COMPRESSED]
             if compressed:
-                raise Failure(f"{path} needs {compressed[0]}; export it without compression and quantisation")
+                raise Failure(f"{path} needs {compressed[0]}; export it without compression")
             if path.suffix.lower() == ".gltf":
                 gltf.convert_images(ImageFormat.DATAURI)
             gltf.convert_buffers(BufferFormat.BINARYBLOB)

@@ -13,20 +13,36 @@ PROFILE = np.array([1.0, 0.812, 0.612, 0.481, 0.368, 0.268, 0.171, 0.101, 0.062,
 STEP = 0.25
 RADIUS = 1.97
 """The radius of a dent in metres is this times the square root of its depth in metres."""
+BATCH = 2_000_000
+"""Distances that are computed at once."""
+
+
+class Profile:
+    """Round dents on some points. What is held does not move, and dents fade towards it."""
+
+    def __init__(self, points: Floats, normals: Floats, held: np.ndarray, size: float) -> None:
+        self.points, self.normals, self.size = points, normals, size
+        self.fade = np.ones(len(points))
+        if held.any():
+            fade = np.clip(_distances(points, points[held]) / (0.1 * size), 0, 1)
+            self.fade = fade * fade * (3 - 2 * fade)
+
+    def dent(self, at: int, moved: Floats) -> Floats:
+        """The displacements of a dent whose contact, the point `at`, moves by `moved`, m."""
+        radius = min(RADIUS * np.sqrt(np.linalg.norm(moved)), 0.2 * self.size)
+        distance = np.linalg.norm(self.points - self.points[at], axis=1)
+        # A dent does not reach around the body: where the surface faces away it ends.
+        facing = np.clip(2 * (self.normals @ self.normals[at]), 0, 1)
+        share = np.interp(distance / max(radius, 1e-30), STEP * np.arange(len(PROFILE)), PROFILE) * self.fade * facing
+        return share[:, None] * moved
 
 
 def make(body: Body, count: int, depth: tuple[float, float]) -> list[Made]:
     """`count` dents with depths from `depth`, m, at well-spread places. They do not know their blow."""
     used = np.unique(body.triangles)
     points, normals = body.points[used], point_normals(body.points, body.triangles)[used]
-    held = _held(body)[used]
-    # Rims stay where they are, and dents fade towards them.
-    fade = np.ones(len(points))
-    if held.any():
-        from_held = _distances(points, points[held])
-        fade = np.clip(from_held / (0.1 * body.size), 0, 1)
-        fade = fade * fade * (3 - 2 * fade)
-    places = np.flatnonzero(fade > 0.9) if (fade > 0.9).any() else np.flatnonzero(fade > 0)
+    dents = Profile(points, normals, _held(body)[used], body.size)
+    places = np.flatnonzero(dents.fade > 0.9) if (dents.fade > 0.9).any() else np.flatnonzero(dents.fade > 0)
     if len(places) == 0:
         raise Failure(f"every vertex of {body.name} is on an open edge, which does not move; subdivide the mesh")
     made = []
@@ -35,15 +51,10 @@ def make(body: Body, count: int, depth: tuple[float, float]) -> list[Made]:
     for index in range(count):
         quantile = (index * 0.6180339887) % 1.0
         deep = depth[0] * (depth[1] / depth[0]) ** quantile
-        radius = min(RADIUS * np.sqrt(deep), 0.2 * body.size)
-        distance = np.linalg.norm(points - points[at], axis=1)
-        # A dent does not reach around the body: where the surface faces away it ends.
-        facing = np.clip(2 * (normals @ normals[at]), 0, 1)
-        share = np.interp(distance / radius, STEP * np.arange(len(PROFILE)), PROFILE) * fade * facing
         field = np.zeros_like(body.points)
-        field[used] = -deep * share[:, None] * normals[at]
+        field[used] = dents.dent(at, -deep * normals[at])
         made.append(Made(f"profile {index + 1}", field, points[at], normals[at]))
-        nearest = np.minimum(nearest, distance[places])
+        nearest = np.minimum(nearest, np.linalg.norm(points[places] - points[at], axis=1))
         at = int(places[nearest.argmax()])
     return made
 
@@ -63,7 +74,8 @@ def _held(body: Body) -> np.ndarray:
 def _distances(points: Floats, others: Floats) -> Floats:
     """From each point to the nearest of the others. Without SciPy, which Blender's Python lacks."""
     nearest = np.full(len(points), np.inf)
-    for other in others:
-        offset = points - other
-        np.minimum(nearest, np.einsum("ij,ij->i", offset, offset), out=nearest)
+    step = max(1, BATCH // len(points))
+    for start in range(0, len(others), step):
+        offset = points[:, None] - others[None, start : start + step]
+        np.minimum(nearest, np.einsum("ijk,ijk->ij", offset, offset).min(1), out=nearest)
     return np.sqrt(nearest)

@@ -1,15 +1,20 @@
-"""Makes examples with the solver: chooses places and blows, checks what the solver leaves, and keeps it, so that a run can go on."""
+"""Makes hits with the solver on all cores, and keeps each as soon as it is made, so that a run can go on."""
 
 from __future__ import annotations
 
 import hashlib
 import json
+import os
+import signal
+import threading
+import time
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import asdict, dataclass, replace
-from multiprocessing import get_context
+from dataclasses import asdict, dataclass, field, replace
+from multiprocessing import connection, get_context, parent_process
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -17,33 +22,36 @@ from . import Failure, inner
 from .body import Body, Floats, Made
 from .flight import Blow
 from .inner import Solid
-from .materials import LEAST_SPEED, MATERIALS, MOST_SPEED, SPEEDS, STRIKERS, TOLD, Material
-from .places import Places, errors
+from .judge import LEAST, Judged, judge, own_errors
+from .materials import MATERIALS, TOLD, Material
+from .plan import CALIBRATION, EXPONENT, TYPICAL, Plan, Tried, energy
 from .shell import Shell
-from .solver import BESIDE, BLOCKED, ELSEWHERE, HELD, MISSED, Outcome, Solver
+from .solver import FOLDED, NOTHING, RESTLESS, STUCK, UNSTABLE, Outcome, Solver
 
-TRIES = 5
-EXPONENT = 1.2
-"""Energy grows with this power of the depth."""
-TYPICAL = 45.0
-"""Energy of a dent by depth ** EXPONENT and by the material's strength, before any is known."""
-NEAR_ENOUGH = 1.8
-"""A dent may be this many times deeper or shallower than wanted."""
-STOPPED = 0.7
-"""Dents deeper than this share of the distance to a solid inside may have been stopped by it, and say nothing of the shell's stiffness."""
-FORMAT = 4
+FORMAT = 5
 """Another number for every change of what the solver leaves."""
+BATCH, GROWTH = 8, 0.15
+"""Hits that are planned at a time: so many, or this share of those that are made. Then the set's errors are asked again."""
+HARD = (UNSTABLE, FOLDED, STUCK, RESTLESS)
+"""Troubles of blows that are too hard."""
+ENOUGH, BETTER = 96, 0.97
+"""From so many hits on, twice as many must lower the error by this factor."""
+HOPELESS = 12
+"""After so many hits at least a quarter must have become examples."""
+POLL = 0.5
+"""Seconds between two looks at running hits."""
 
 
 @dataclass(frozen=True)
 class Settings:
-    """What decides the examples. Lengths in metres."""
+    """What decides the hits. Lengths in metres."""
 
     material: str
     thickness: float
     hold: str
     strikers: tuple[str, ...]
     depth: tuple[float, float]
+    """Of usual dents by the weakest and the strongest blows."""
     tilt: float
     """Largest angle between flight and normal, degrees."""
     detail: int
@@ -53,23 +61,23 @@ class Settings:
 
 
 @dataclass
-class Task:
-    """One example to be made. Plain data, so that another process can do it."""
+class Result:
+    """What a blow left."""
 
     index: int
-    vertex: int
-    wanted: float
-    stiffness: float
-
-
-@dataclass
-class Result:
-    task: Task
+    blow: Blow
     made: Made | None
-    tries: list[str]
-    """What each try gave, in words."""
-    stiffness: float | None = None
-    place_is_bad: bool = False
+    trouble: str | None
+    """Why it is no example."""
+    depth: float
+    """Displacement of the contact, m."""
+    seconds: float
+    """Of a core."""
+    steps: int = 0
+
+    def words(self) -> str:
+        said = f"{self.blow.shape}, {self.blow.mass:.3g} kg, {self.blow.speed:.1f} m/s"
+        return f"{said}: {self.trouble or f'{1000 * self.depth:.3g} mm'}"
 
 
 def among(shell: Shell, solids: Sequence[Solid], material: Material, thickness: float) -> Shell:
@@ -80,98 +88,26 @@ def among(shell: Shell, solids: Sequence[Solid], material: Material, thickness: 
         shell = replace(shell)
         shell.notes.append("parts that touch solids inside are held")
     if shell.held.mean() > 0.9:
-        raise Failure(f"{shell.held.mean():.0%} of the body is held or touches solids inside, so nothing can dent; use other --inner solids")
+        raise Failure(
+            f"{shell.held.mean():.0%} of the body is held or touches solids inside, so nothing can dent; use other --inner solids"
+        )
     return shell
 
 
-class Maker:
-    """Does tasks, in this process or in another."""
-
-    def __init__(self, shell: Shell, settings: Settings, near_enough: float = NEAR_ENOUGH) -> None:
-        self.shell, self.settings, self.near_enough = shell, settings, near_enough
-        self.material = MATERIALS[settings.material]
-        self.strength = self.material.strength(settings.thickness)
-        self.most_mass = max(STRIKERS[name].mass[1] for name in settings.strikers)
-        self.solver = Solver(shell, self.material, settings.thickness)
-
-    def do(self, task: Task) -> Result:
-        rng = np.random.default_rng([self.settings.seed, task.index])
-        blow = self._blow(task, rng)
-        room = float(self.shell.room[task.vertex])
-        wanted = min(task.wanted, room)
-        best: tuple[float, Blow, Outcome] | None = None
-        tries: list[str] = []
-        stiffness = None
-        for _ in range(TRIES):
-            outcome = self.solver.strike(blow)
-            tries.append(f"{blow.speed:.1f} m/s, {blow.mass:.3g} kg: {outcome.trouble or f'{1000 * outcome.depth:.3g} mm'}")
-            if outcome.trouble in (BESIDE, BLOCKED, ELSEWHERE, HELD, MISSED):
-                return Result(task, None, tries, place_is_bad=True)
-            if outcome.trouble is not None:
-                blow = replace(blow, speed=0.8 * blow.speed)
-                continue
-            depth = max(outcome.depth, 0.02 * wanted)
-            along = float(blow.direction @ blow.normal)
-            if depth < STOPPED * room:
-                stiffness = 0.5 * blow.mass * (blow.speed * along) ** 2 / (self.strength * depth**EXPONENT)
-            off = abs(np.log(depth / wanted))
-            if best is None or off < best[0]:
-                best = off, blow, outcome
-            if off <= np.log(self.near_enough):
-                break
-            # Mass and speed share the change of the energy, so that both stay usual.
-            factor = float(np.clip((wanted / depth) ** EXPONENT, 0.2, 8.0))
-            speed = float(np.clip(blow.speed * factor**0.25, LEAST_SPEED, MOST_SPEED))
-            mass = blow.mass * factor * (blow.speed / speed) ** 2
-            if mass > self.most_mass:
-                break
-            blow = replace(blow, mass=mass, speed=speed)
-        if best is None or best[0] > np.log(max(4, self.near_enough)):
-            return Result(task, None, tries, stiffness, place_is_bad=True)
-        return Result(task, self._made(task, best[1], best[2]), tries, stiffness)
-
-    def _blow(self, task: Task, rng: np.random.Generator) -> Blow:
-        shell, settings = self.shell, self.settings
-        name = settings.strikers[int(rng.integers(len(settings.strikers)))]
-        striker = STRIKERS[name]
-        normal = shell.normals[task.vertex]
-        angle, around = np.radians(settings.tilt) * rng.random(), 2 * np.pi * rng.random()
-        if striker.shape == "pole" and abs(normal[1]) < 0.8:
-            # A pole stands upright and moves in the horizontal plane.
-            normal = normal * [1, 0, 1] / np.linalg.norm(normal * [1, 0, 1])
-            side = np.cross([0.0, 1.0, 0.0], normal) * (1 if around < np.pi else -1)
-            shape = "pole"
-        else:
-            a = np.cross(normal, [0.3, 0.5, 0.8])
-            a /= np.linalg.norm(a)
-            side = np.cos(around) * a + np.sin(around) * np.cross(normal, a)
-            # A pole cannot strike a roof.
-            shape = "ball" if striker.shape == "pole" else striker.shape
-        direction = -np.cos(angle) * normal + np.sin(angle) * side
-        energy = task.stiffness * self.strength * task.wanted**EXPONENT / np.cos(angle) ** 2
-        speed = float(np.exp(rng.uniform(*np.log(SPEEDS))))
-        mass = float(np.clip(2 * energy / speed**2, *striker.mass))
-        radius = float(np.exp(rng.uniform(*np.log(striker.radius)))) * shell.size
-        speed = float(np.clip(np.sqrt(2 * energy / mass), LEAST_SPEED, MOST_SPEED))
-        spin = 2 * np.pi * rng.random() if shape == "corner" else 0.0
-        return Blow(shell.points[task.vertex], normal, direction, speed, mass, radius, shape, spin)
-
-    def _made(self, task: Task, blow: Blow, outcome: Outcome) -> Made:
-        assert outcome.field is not None and outcome.point is not None and outcome.normal is not None
-        return Made(
-            f"{blow.shape} {task.index + 1}", quiet(outcome.field), outcome.point, outcome.normal, outcome.impulse, outcome.duration,
-            blow.mass, TOLD.get(blow.shape, 1.0) * blow.radius, blow.direction * blow.speed, blow.shape,
-        )  # fmt: skip
-
-
-def quiet(field: Floats) -> Floats:
-    """Without what trembles far from the dent: less than 0.2 % of the largest displacement, faded in up to 0.4 %."""
+def quiet(field: Floats, least: float) -> Floats:
+    """Without what trembles far from the dent: less than 0.2 % of the largest displacement or than `least`, faded in up to twice that."""
     length = np.linalg.norm(field, axis=1, keepdims=True)
-    return field * np.clip((length / max(length.max(), 1e-30) - 0.002) / 0.002, 0, 1)
+    floor = max(0.002 * float(length.max()), least, 1e-30)
+    return field * np.clip((length - floor) / floor, 0, 1)
+
+
+def least(size: float) -> float:
+    """Displacements below this are not kept, m: they cannot be seen."""
+    return 2e-5 * size
 
 
 class Store:
-    """A folder with one file per example, for going on with a run that was interrupted."""
+    """A folder with one file for each hit, for going on with a run that was interrupted."""
 
     def __init__(self, folder: Path, body: Body, shell: Shell, settings: Settings) -> None:
         self.folder = folder
@@ -189,24 +125,26 @@ class Store:
         note.write_text(json.dumps(now, indent=1))
 
     def read(self) -> Iterator[Result]:
-        """The results in the order in which they were made."""
-        for path in sorted(self.folder.glob("*.npz")):
+        """The results by index."""
+        for path in sorted(self.folder.glob("[0-9]*.npz")):
             with np.load(path) as kept:
                 told = json.loads(str(kept["told"]))
+                blow = Blow(*(kept[key] for key in ("aim", "aim_normal", "direction")), **told["blow"])
                 made = None
                 if "field" in kept:
                     vectors = {key: kept[key] for key in ("field", "point", "normal", "impulse", "velocity")}
-                    made = Made(name=told["name"], **vectors, **told["blow"])
-                yield Result(Task(**told["task"]), made, told["tries"], told["stiffness"], told["place_is_bad"])
+                    made = Made(**vectors, **told["made"])
+                yield Result(told["index"], blow, made, told["trouble"], told["depth"], told["seconds"], told["steps"])
 
-    def write(self, number: int, result: Result) -> None:
-        made = result.made
-        told = {key: getattr(result, key) for key in ("tries", "stiffness", "place_is_bad")} | {"task": asdict(result.task)}
-        arrays = {}
+    def write(self, result: Result) -> None:
+        made, blow = result.made, result.blow
+        told: dict[str, Any] = {key: getattr(result, key) for key in ("index", "trouble", "depth", "seconds", "steps")}
+        told["blow"] = {key: getattr(blow, key) for key in ("speed", "mass", "radius", "shape", "spin")}
+        arrays = {"aim": blow.point, "aim_normal": blow.normal, "direction": blow.direction}
         if made is not None:
-            told |= {"name": made.name, "blow": {key: getattr(made, key) for key in ("duration", "mass", "radius", "shape")}}
-            arrays = {key: getattr(made, key) for key in ("field", "point", "normal", "impulse", "velocity")}
-        path = self.folder / f"{number:04}.npz"
+            told["made"] = {key: getattr(made, key) for key in ("name", "duration", "mass", "radius", "shape")}
+            arrays |= {key: getattr(made, key) for key in ("field", "point", "normal", "impulse", "velocity")}
+        path = self.folder / f"{result.index:05}.npz"
         temporary = path.with_suffix(".part")
         with temporary.open("wb") as file:
             np.savez_compressed(file, told=json.dumps(told), **arrays)
@@ -214,92 +152,274 @@ class Store:
 
 
 @dataclass
+class Progress:
+    """What a run says while it works."""
+
+    made: int
+    tried: int
+    running: list[float]
+    """Shares of the running hits that are done, estimated."""
+    seconds_left: float | None
+    error: float | None
+    text: str | None
+    """The last hit in words; None while hits are running."""
+
+
+@dataclass
 class Run:
     made: list[Made]
     results: list[Result]
-    error: float | None
-    """Median error when the examples predict each other."""
-    errors: list[float | None]
+    judged: Judged | None
+    curve: list[tuple[int, float, float]] = field(default_factory=list)
+    """Examples, and the median and 90th percentile of their errors, told the blow."""
+    why: str = ""
+    """Why it ended."""
 
 
 def run(
-    body: Body,
-    shell: Shell,
+    plan: Plan,
     settings: Settings,
     store: Store,
     count: int,
     until_error: float | None = None,
     jobs: int = 1,
-    progress: Callable[[int, float | None, str], None] = lambda done, error, text: None,
+    go_on: bool = False,
+    progress: Callable[[Progress], None] = lambda now: None,
 ) -> Run:
-    """Makes up to `count` examples. `progress` gets how many there are, their error and the last result in words."""
-    places = Places(shell)
-    places.open = places.open[shell.room[places.open] >= settings.depth[0]]
-    if len(places.open) == 0:
-        raise Failure("solids of --inner are everywhere nearer than the shallowest dent; choose a smaller --depth")
-    results: list[Result] = []
-    made: list[Made] = []
-    each: list[float | None] = []
-    error: float | None = None
-    number = 0
-
-    def take(result: Result) -> None:
-        nonlocal error, each
-        results.append(result)
-        if result.place_is_bad:
-            places.drop(result.task.vertex, 0.05 * shell.size)
-        if result.made is not None:
-            made.append(result.made)
-            if len(made) > 1:
-                error, each = errors(shell, made)
-            else:
-                each = [None]
-        progress(len(made), error, result.tries[-1])
-
-    def enough() -> bool:
-        good = until_error is not None and len(made) >= 6 and error is not None and error <= until_error
-        return len(made) >= count or good
-
-    for result in store.read():
-        if enough():
-            break
-        take(result)
-    number = len(list(store.folder.glob("*.npz")))
-    with _workers(shell, settings, jobs) as workers:
-        while not enough():
-            if sum(result.made is None for result in results) > max(6, 2 * count):
-                break
-            batch: list[Task] = []
-            # The places of a batch keep away from each other; the depths go through their range evenly.
-            for _ in range(min(jobs, count - len(made))):
-                taken = [one.point for one in made] + [shell.points[task.vertex] for task in batch]
-                vertex = places.next(taken, each + [None] * len(batch))
-                if vertex is None:
-                    break
-                index = number + len(batch)
-                low, high = settings.depth
-                wanted = low * (high / low) ** _even(index)
-                batch.append(Task(index, vertex, wanted, stiffness(results, shell, shell.points[vertex])))
-            if not batch:
-                break
-            for future in [workers.submit(_do, task) for task in batch]:
-                try:
-                    result = future.result()
-                except BrokenProcessPool as error:
-                    raise Failure(
-                        "a simulation's process ended, perhaps for lack of memory; use --jobs 1, or a smaller --detail"
-                    ) from error
-                store.write(number, result)
-                number += 1
-                take(result)
+    """Makes up to `count` examples."""
+    state = _State(plan, settings, list(store.read())[: 2 * count + HOPELESS])
+    state.judge(count)
+    if state.done(count, until_error, go_on) is None:
+        # What the solver refuses is said here, and not by a process that cannot begin.
+        Solver(plan.shell, MATERIALS[settings.material], settings.thickness)
+        with _Workers(plan.shell, settings, jobs) as workers:
+            while (why := state.done(count, until_error, go_on)) is None:
+                state.work(workers, store, count, jobs, progress)
+                state.judge(count)
+    why = state.done(count, until_error, go_on) or ""
+    made = state.made(count)
     if not made:
-        raise Failure(advice(results))
-    return Run(made, results, error, each)
+        raise Failure(advice(state.results))
+    return Run(made, state.results, state.judged, state.curve, why)
+
+
+class _State:
+    """The results so far, and what they say of the next."""
+
+    def __init__(self, plan: Plan, settings: Settings, results: list[Result]) -> None:
+        self.plan, self.settings, self.results = plan, settings, results
+        self.errors: dict[int, float] = {}
+        """The library's error of each example, by the index of its hit."""
+        self.judged: Judged | None = None
+        self.curve: list[tuple[int, float, float]] = []
+
+    def made(self, count: int) -> list[Made]:
+        return [result.made for result in self.results if result.made is not None][:count]
+
+    def done(self, count: int, until_error: float | None, go_on: bool) -> str | None:
+        """Why the run ends, or None."""
+        n, tried, error = len(self.made(count)), len(self.results), self.judged.blow if self.judged else None
+        if n >= count:
+            return "all examples are made"
+        if until_error is not None and error is not None and error <= until_error:
+            return f"the error is {error:.2f}, as low as --until-error asks"
+        if tried >= HOPELESS and n < 0.25 * tried:
+            return f"only {n} of {tried} hits became examples"
+        half = [e for at, e, _ in self.curve if at <= 0.55 * n]
+        if not go_on and n >= ENOUGH and half and error is not None and error > BETTER * half[-1]:
+            return f"more hits no longer help: the error was {half[-1]:.2f} with half as many; --go-on makes them all the same"
+        return None
+
+    def judge(self, count: int) -> None:
+        """Asks the set how well it knows each example, and how well it predicts hits."""
+        made = self.made(count)
+        if len(made) < LEAST or (self.curve and len(made) == self.curve[-1][0]):
+            return
+        self.judged = judge(self.plan.shell, made)
+        if self.judged is not None:
+            self.curve.append((len(made), self.judged.blow, self.judged.worst))
+        kept = [result.index for result in self.results if result.made is not None][:count]
+        own = own_errors(self.plan.shell, made)
+        self.errors = {index: error for index, error in zip(kept, own, strict=True) if error is not None}
+
+    def stiffness(self) -> float:
+        """Energy of a dent by depth ** EXPONENT and by the strength: the median of the first hits."""
+        found = []
+        for result in self.results:
+            if result.index < len(CALIBRATION) and result.made is not None:
+                along = float(result.blow.direction @ result.blow.normal)
+                own = 0.5 * result.blow.mass * (result.blow.speed * along) ** 2
+                found.append(own / (self.plan.strength * max(result.depth, 0.002 * self.plan.shell.size) ** EXPONENT))
+        lower = sum(result.index < len(CALIBRATION) and result.trouble in HARD for result in self.results)
+        return float(np.exp(np.median(np.log(found)))) if found else TYPICAL * 0.3**lower
+
+    def energies(self) -> tuple[float, float]:
+        """From blows that dent barely to the deepest ones that the shell stands, J."""
+        stiffness = self.stiffness()
+        low, high = (energy(depth, stiffness, self.plan.strength) for depth in self.settings.depth)
+        hits = [result for result in self.results if result.index >= len(CALIBRATION)]
+        own = np.array([0.5 * r.blow.mass * float(r.blow.speed * (r.blow.direction @ r.blow.normal)) ** 2 for r in hits])
+        bad = np.array([r.trouble in HARD for r in hits])
+        while high > 3 * low and len(hits):
+            hard = (own > 0.5 * high) & (own <= high * 1.001)
+            if hard.sum() < 4 or bad[hard].mean() <= 1 / 3:
+                break
+            high *= 0.7
+        return low, high
+
+    def next(self, number: int, count: int) -> list[tuple[int, Blow]]:
+        """The next hits."""
+        start = max((result.index for result in self.results), default=-1) + 1
+        if start < len(CALIBRATION):
+            taken = [int(np.linalg.norm(self.plan.shell.points - r.blow.point, axis=1).argmin()) for r in self.results]
+            return [(start, self.plan.calibration(start, self.stiffness(), self.settings.depth, taken))]
+        energies = self.energies()
+        usual = float(np.median(list(self.errors.values()))) if self.errors else 1.0
+        known = []
+        for result in self.results:
+            worth = self.errors.get(result.index, usual) / max(usual, 0.05) if result.trouble is None else 0.5
+            known.append(Tried(self.plan.features(result.blow, energies), float(np.clip(worth, 0.5, 2.0))))
+        planned = []
+        for index in range(start, start + min(number, count - len(self.made(count)))):
+            blow = self.plan.next(index, energies, known)
+            known.append(Tried(self.plan.features(blow, energies), 1.0))
+            planned.append((index, blow))
+        return planned
+
+    def work(self, workers: _Workers, store: Store, count: int, jobs: int, progress: Callable[[Progress], None]) -> None:
+        """Plans and makes a batch of hits. What is running when the user interrupts it is still kept."""
+        batch = self.next(max(BATCH, jobs, int(GROWTH * len(self.results))), count)
+        waiting = {workers.submit(index, blow): index for index, blow in batch}
+        try:
+            while waiting:
+                ready, _ = wait(waiting, POLL, FIRST_COMPLETED)
+                for future in ready:
+                    del waiting[future]
+                    self.keep(future, store)
+                    progress(self.progress(workers, count, jobs, self.results[-1].words()))
+                if not ready:
+                    progress(self.progress(workers, count, jobs, None))
+        except KeyboardInterrupt:
+            for future in waiting:
+                future.cancel()
+            for future in wait([one for one in waiting if not one.cancelled()], 30).done:
+                self.keep(future, store)
+            raise
+        self.results.sort(key=lambda result: result.index)
+
+    def keep(self, future: Future[Result], store: Store) -> None:
+        try:
+            result = future.result()
+        except BrokenProcessPool as error:
+            raise Failure("a simulation's process ended, perhaps for lack of memory; use fewer --jobs, or a smaller --detail") from error
+        store.write(result)
+        self.results.append(result)
+
+    def progress(self, workers: _Workers, count: int, jobs: int, text: str | None) -> Progress:
+        made, tried = len(self.made(count)), len(self.results)
+        usual = float(np.mean([result.steps for result in self.results[-30:]])) if tried else 0.0
+        running = [min(steps / usual, 0.95) if usual else 0.0 for steps in workers.running()]
+        left = None
+        if made:
+            left = (count - made) * tried / made * workers.pace(tried) if workers.pace(tried) else None
+        return Progress(made, tried, running, left, self.judged.blow if self.judged else None, text)
+
+
+class _Workers:
+    """Processes that each strike their own shell, and say how far they are."""
+
+    def __init__(self, shell: Shell, settings: Settings, jobs: int) -> None:
+        context = get_context("spawn")
+        self._slot, self._steps = context.Value("i", 0), context.Array("i", jobs)
+        self._pool = ProcessPoolExecutor(jobs, context, _start, (shell, settings, self._slot, self._steps))
+        self._began, self._first = time.monotonic(), 0
+
+    def __enter__(self) -> _Workers:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._pool.shutdown(cancel_futures=True)
+
+    def submit(self, index: int, blow: Blow) -> Future[Result]:
+        # Processes that begin here inherit the mask: a Ctrl-C is for this one alone, also while they begin.
+        blocked = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT}) if hasattr(signal, "pthread_sigmask") else None
+        try:
+            return self._pool.submit(_do, index, blow)
+        finally:
+            if blocked is not None:
+                signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
+
+    def running(self) -> list[int]:
+        """Steps that the running hits have done."""
+        return [steps for steps in self._steps if steps > 0]
+
+    def pace(self, tried: int) -> float | None:
+        """Seconds a hit, since the first one of this run was finished."""
+        if not self._first:
+            self._began, self._first = time.monotonic(), tried
+        return (time.monotonic() - self._began) / (tried - self._first) if tried > self._first else None
+
+
+_solver: Solver | None = None
+_settings: Settings | None = None
+_steps: Any = None
+_slot = 0
+
+
+def _start(shell: Shell, settings: Settings, slots: Any, steps: Any) -> None:
+    """Begins a process. Ctrl-C is the parent's: what is running is finished."""
+    global _solver, _settings, _steps, _slot
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    with slots.get_lock():
+        _slot, slots.value = slots.value, slots.value + 1
+    _solver, _settings, _steps = Solver(shell, MATERIALS[settings.material], settings.thickness), settings, steps
+
+
+def _end_with_parent() -> None:
+    """Nobody waits for the hits of a parent that was killed."""
+    parent = parent_process()
+    if parent is not None:
+        connection.wait([parent.sentinel])
+        os._exit(1)
+
+
+def _do(index: int, blow: Blow) -> Result:
+    assert _solver is not None and _settings is not None
+
+    def tick(steps: int) -> None:
+        _steps[_slot % len(_steps)] = steps
+
+    try:
+        return strike(_solver, index, blow, tick)
+    finally:
+        tick(0)
+
+
+def strike(solver: Solver, index: int, blow: Blow, tick: Callable[[int], None] = lambda steps: None) -> Result:
+    """Makes one hit."""
+    began = time.process_time()
+    outcome = solver.strike(blow, tick)
+    made, trouble = None, outcome.trouble
+    if trouble is None:
+        made = _made(solver.shell, index, blow, outcome)
+        # The library wants an example to move its own contact.
+        if not made.field[np.linalg.norm(solver.shell.points - made.point, axis=1).argmin()].any():
+            made, trouble = None, NOTHING
+    return Result(index, blow, made, trouble, outcome.depth, time.process_time() - began, outcome.steps)
+
+
+def _made(shell: Shell, index: int, blow: Blow, outcome: Outcome) -> Made:
+    assert outcome.field is not None and outcome.point is not None and outcome.normal is not None
+    return Made(
+        f"{blow.shape} {index + 1}", quiet(outcome.field, least(shell.size)), outcome.point, outcome.normal, outcome.impulse, outcome.duration,
+        blow.mass, TOLD.get(blow.shape, 1.0) * blow.radius, blow.direction * blow.speed, blow.shape,
+    )  # fmt: skip
 
 
 def advice(results: Sequence[Result]) -> str:
-    """What went wrong and what to change."""
-    said = " ".join(text for result in results for text in result.tries)
+    """What went wrong most often and what to change."""
+    troubles = [result.trouble for result in results if result.trouble is not None]
     hints = {
         "unstable": "the solver became unstable: try a thicker sheet (--thickness), a smaller --depth or another --detail",
         "come to rest": "the shell did not come to rest: hold more of the body (--hold), or make it thicker (--thickness)",
@@ -309,62 +429,9 @@ def advice(results: Sequence[Result]) -> str:
         "another place first": "a wall reaches only what stands out: add another striker (--strikers ball wall)",
         "deeper elsewhere": "a corner's flank dented more than its tip: add balls (--strikers ball corner), or hold less (--hold)",
         "is held": "strikers touched parts that are held: hold less (--hold), or choose smaller strikers (--strikers ball)",
+        "left nothing": "blows were too weak to leave a dent: choose a larger --depth",
         "did not touch": "strikers missed the body: turn its normals outward",
     }
-    found = [text for key, text in hints.items() if key in said]
-    last = f"; the last tries: {'; '.join(results[-1].tries)}" if results else ""
-    return (
-        f"{'; '.join(found) or 'no dent of the wanted depth was found: choose another --depth, or another --material or --thickness'}{last}"
-    )
-
-
-def _even(index: int) -> float:
-    """The van der Corput sequence: any first part of it is spread over 0 to 1."""
-    value, base = 0.0, 0.5
-    index += 1
-    while index:
-        value += base * (index % 2)
-        index //= 2
-        base /= 2
-    return value
-
-
-def stiffness(results: Sequence[Result], shell: Shell, point: Floats) -> float:
-    """What the nearest places needed."""
-    known = [result for result in results if result.stiffness is not None]
-    if not known:
-        return TYPICAL
-    distances = np.array([np.linalg.norm(shell.points[result.task.vertex] - point) for result in known])
-    near = distances.argsort()[:3]
-    weights = 1 / (distances[near] + 0.03 * shell.size)
-    logs = np.log([float(known[k].stiffness or TYPICAL) for k in near])
-    return float(np.exp((weights * logs).sum() / weights.sum()))
-
-
-_maker: Maker | None = None
-
-
-def _start(shell: Shell, settings: Settings) -> None:
-    global _maker
-    _maker = Maker(shell, settings)
-
-
-def _do(task: Task) -> Result:
-    assert _maker is not None
-    return _maker.do(task)
-
-
-class _Here(Executor):
-    """Does tasks in this process."""
-
-    def submit(self, do, /, *arguments):  # type: ignore[no-untyped-def, override]
-        future: Future = Future()
-        future.set_result(do(*arguments))
-        return future
-
-
-def _workers(shell: Shell, settings: Settings, jobs: int) -> Executor:
-    if jobs == 1:
-        _start(shell, settings)
-        return _Here()
-    return ProcessPoolExecutor(jobs, get_context("spawn"), _start, (shell, settings))
+    counts = {text: sum(key in trouble for trouble in troubles) for key, text in hints.items()}
+    found = [f"{text} ({n} of {len(results)} hits)" for text, n in sorted(counts.items(), key=lambda one: -one[1]) if n]
+    return "; ".join(found) or "no blow left a dent: choose another --depth, --material or --thickness"

@@ -16,10 +16,20 @@ _SMALL_PART = 0.05
 """Parts of the body with less than this share of its surface are carried along and not simulated."""
 _LOWEST = 0.05
 """Share of the height that a closed body stands on."""
+_MUCH = 0.5
+"""A larger share of the points that is held is odd."""
+_HOLE, _RIMS, _GROUND = 0.25, 12, 0.15
+"""Odd holds: open edges smaller than this share of the diagonal, which are holes, more of them than this, less than this share of the ground plan."""
+_FOLDED = 0.94
+"""Cosine of the angle between triangles of one edge that lie on each other: 20 degrees."""
+_MORE, _FEWER = 1.4, 0.8
+"""A shell with this many times the wanted points is remeshed more coarsely, unless it then has less than the second."""
+NAMED = 3
+"""Places or parts that a note names."""
 _NEIGHBOURS = 8
 """Triangles near a point among which the nearest is searched."""
 
-HOLDS = ("auto", "edges", "marked", "lowest")
+HOLDS = ("auto", "edges", "marked", "lowest", "free")
 
 
 @dataclass
@@ -36,11 +46,15 @@ class Shell:
     """Corners of convex solids, which do not move and which the shell does not enter, m."""
     room: Floats = field(default_factory=lambda: np.zeros(0))
     """The distance of each point to the nearest solid, m; infinite without solids."""
+    warnings: list[str] = field(default_factory=list)
+    """What is odd about how it is held."""
 
     def __post_init__(self) -> None:
         self.normals = point_normals(self.points, self.triangles)
         faces = face_normals(self.points, self.triangles)
-        self.area = float(0.5 * np.linalg.norm(faces, axis=1).sum())
+        own = 0.5 * np.linalg.norm(faces, axis=1)
+        self.area = float(own.sum())
+        self.areas = np.bincount(self.triangles.reshape(-1), np.repeat(own / 3, 3), len(self.points))
         self.size = float(np.linalg.norm(self.points.max(0) - self.points.min(0)))
         if len(self.room) == 0:
             self.room = np.full(len(self.points), np.inf)
@@ -53,29 +67,51 @@ def make(body: Body, detail: int, hold: str) -> Shell:
     parts, triangles = _parts(body)
     areas = np.bincount(parts, 0.5 * np.linalg.norm(face_normals(body.points, triangles), axis=1))
     kept = np.flatnonzero(areas >= _SMALL_PART * areas.sum())
-    if len(kept) < len(areas):
-        notes.append(f"{len(areas) - len(kept)} small parts of {len(areas)} follow the surface near them and are not simulated")
     if len(kept) == 0:
         raise Failure(
             f"{body.name} consists of {len(areas)} parts, none with {_SMALL_PART:.0%} of its surface; join them, or export the skin alone"
         )
+    if len(kept) < len(areas):
+        left = [one for one in areas.argsort()[::-1] if one not in set(kept)]
+        names = [body.where(parts == one) for one in left[:NAMED]]
+        more = f" and {len(left) - NAMED} more" if len(left) > NAMED else ""
+        notes.append(
+            f"{len(left)} loose parts of {len(areas)} follow the surface near them and are not simulated: {'; '.join(names)}{more}"
+        )
     surface = triangles[np.isin(parts, kept)]
     edges, uses = _edges(surface)
     if (uses > 2).any():
-        notes.append(f"{(uses > 2).sum()} edges belong to more than two triangles")
+        at = body.points[edges[uses > 2]].mean(1)
+        notes.append(f"{(uses > 2).sum()} edges belong to more than two triangles, {_spots(at, body)}")
     own = float(np.linalg.norm(body.points[edges[:, 0]] - body.points[edges[:, 1]], axis=1).mean())
     if own > 0.06 * body.size:
         notes.append(
             f"the mesh is coarse: its edges are {1000 * own:.0f} mm long on average, so dents will be; subdivide it first for better ones"
         )
-    rim = edges[uses == 1]
+    rims = _rims(body, edges[uses == 1])
     edge = float(np.sqrt(areas[kept].sum() / (0.866 * detail)))
     points, corners = _remesh(body, surface, edge)
+    if len(points) > _MORE * detail:
+        # Beads and seams keep short edges beside them, so the others must be longer.
+        longer = edge * float(np.sqrt(len(points) / detail))
+        coarser = _remesh(body, surface, longer)
+        # The remesher may jump beyond what was asked.
+        if len(coarser[0]) >= _FEWER * detail:
+            edge, (points, corners) = longer, coarser
+    corners, removed = _unfolded(points, corners)
+    if removed:
+        notes.append(f"{removed} triangles of the shell lay on others and were left out")
+        used, corners = np.unique(corners, return_inverse=True)
+        points, corners = points[used], corners.reshape(-1, 3)
     shell_edges, shell_uses = _edges(corners)
     border = np.unique(shell_edges[shell_uses == 1])
     held = np.zeros(len(points), bool)
     if hold == "auto":
-        hold = "marked" if body.marked.any() else "edges" if len(rim) else "lowest"
+        large = [one for one in rims if _across(body, one) >= _HOLE * body.size]
+        hold = "marked" if body.marked.any() else "edges" if large else "lowest"
+        if hold != "marked" and len(large) < len(rims):
+            notes.append(f"{len(rims) - len(large)} small holes are not held; --hold edges holds them too")
+        rims = large
     if hold == "marked":
         if not body.marked.any():
             raise Failure(
@@ -85,21 +121,101 @@ def make(body: Body, detail: int, hold: str) -> Shell:
         marked[body.of_vertex[body.marked]] = True
         held = marked[cKDTree(body.points).query(points)[1]]
     elif hold == "edges":
-        if len(rim) == 0:
-            raise Failure(f"{body.name} has no open edges to be held by; use --hold lowest or --hold marked")
-        held[border] = _near_rim(points[border], body.points[rim], 0.75 * edge)
+        if not rims:
+            raise Failure(f"{body.name} has no open edges to be held by; use --hold lowest, marked or free")
+        held[border] = _near_rim(points[border], body.points[np.concatenate(rims)], 0.75 * edge)
+    warnings = _odd_rims(body, rims) if hold == "edges" else []
     # Whatever has no hold of its own stands on its lowest points.
     group = csgraph.connected_components(_graph(corners, len(points)), directed=False)[1]
-    loose = [one for one in range(group.max() + 1) if not held[group == one].any()]
+    loose = [one for one in range(group.max() + 1) if not held[group == one].any()] if hold != "free" else []
     for one in loose:
         of = group == one
         low, high = points[of, 1].min(), points[of, 1].max()
         held |= of & (points[:, 1] <= low + max(_LOWEST * (high - low), edge))
     if loose:
         notes.append(f"{len(loose)} of {group.max() + 1} parts are held by their lowest points (y is up)")
+        warnings += _tiptoes(points[held], points) if hold == "lowest" else []
     if held.mean() > 0.9:
         raise Failure(f"{held.mean():.0%} of {body.name} is held, so nothing can dent; use another --hold")
-    return Shell(points, corners, held, edge, notes)
+    if held.mean() > _MUCH:
+        warnings.append(f"{held.mean():.0%} of the body is held")
+    if hold == "free":
+        notes.append("nothing is held: the body is free, and dents are what remains when its motion is taken away")
+    return Shell(points, corners, held, edge, notes, warnings=warnings)
+
+
+def _spots(points: Floats, body: Body) -> str:
+    """Where some points are, in the units of the file: the middles of the largest clusters."""
+    near = cKDTree(points).query_pairs(0.05 * body.size, output_type="ndarray")
+    link = coo_matrix((np.ones(len(near), bool), (near[:, 0], near[:, 1])), (len(points),) * 2)
+    label = csgraph.connected_components(link, directed=False)[1]
+    counts = np.bincount(label)
+    largest = counts.argsort()[::-1][:NAMED]
+    spots = ", ".join(f"{body.place(points[label == one].mean(0))} ({counts[one]})" for one in largest)
+    return f"near {spots}{' and elsewhere' if len(counts) > NAMED else ''}"
+
+
+def _rims(body: Body, rim: Ints) -> list[Ints]:
+    """The connected pieces of the open edges, largest first."""
+    if len(rim) == 0:
+        return []
+    used, corners = np.unique(rim, return_inverse=True)
+    corners = corners.reshape(-1, 2)
+    link = coo_matrix((np.ones(len(corners), bool), (corners[:, 0], corners[:, 1])), (len(used),) * 2)
+    label = csgraph.connected_components(link, directed=False)[1][corners[:, 0]]
+    pieces = [rim[label == one] for one in range(label.max() + 1)]
+    return sorted(pieces, key=lambda piece: -_across(body, piece))
+
+
+def _across(body: Body, edges: Ints) -> float:
+    """The diagonal of the bounds of some edges, m."""
+    return float(np.linalg.norm(np.ptp(body.points[edges.reshape(-1)], axis=0)))
+
+
+def _odd_rims(body: Body, rims: list[Ints]) -> list[str]:
+    """A warning if the open edges are only small holes, which a body hardly hangs by, or very many."""
+    across = _across(body, rims[0])
+    if across < _HOLE * body.size:
+        where = body.place(body.points[rims[0].reshape(-1)].mean(0))
+        return [f"it hangs by {len(rims)} open edges, the largest of which, near {where}, is only {1000 * across:.0f} mm across"]
+    if len(rims) > _RIMS:
+        return [f"it is held by {len(rims)} separate open edges, which may be holes or loose pieces"]
+    return []
+
+
+def _tiptoes(held: Floats, points: Floats) -> list[str]:
+    """A warning if a body stands on much less than its own width and length."""
+    foot, whole = np.ptp(held, axis=0)[[0, 2]], np.ptp(points, axis=0)[[0, 2]]
+    share = float(np.prod(foot / np.maximum(whole, 1e-30)))
+    return [f"it stands on {share:.0%} of its ground plan; is y up?"] if share < _GROUND else []
+
+
+def _unfolded(points: Floats, triangles: Ints) -> tuple[Ints, int]:
+    """Without the smaller one of two triangles that lie on each other at an edge of more than two, and how many those were."""
+    before = len(triangles)
+    for _ in range(4):
+        sides = np.concatenate([triangles[:, [0, 1, 2]], triangles[:, [1, 2, 0]], triangles[:, [2, 0, 1]]])
+        of = np.tile(np.arange(len(triangles)), 3)
+        key = np.sort(sides[:, :2], axis=1)
+        _, number, uses = np.unique(key, axis=0, return_inverse=True, return_counts=True)
+        number = number.reshape(-1)
+        area = np.linalg.norm(face_normals(points, triangles), axis=1)
+        drop: set[int] = set()
+        for bad in np.flatnonzero(uses > 2):
+            rows = np.flatnonzero(number == bad)
+            a, b = points[key[rows[0], 0]], points[key[rows[0], 1]]
+            along = (b - a) / max(float(np.linalg.norm(b - a)), 1e-30)
+            away = points[sides[rows, 2]] - a
+            away -= (away @ along)[:, None] * along
+            away /= np.maximum(np.linalg.norm(away, axis=1, keepdims=True), 1e-30)
+            for i in range(len(rows)):
+                for j in range(i):
+                    if away[i] @ away[j] > _FOLDED:
+                        drop.add(int(min(of[rows[i]], of[rows[j]], key=lambda t: area[t])))
+        if not drop:
+            break
+        triangles = np.delete(triangles, sorted(drop), axis=0)
+    return triangles, before - len(triangles)
 
 
 def still(body: Body, shell: Shell, hold: str) -> NDArray[np.bool_]:

@@ -10,7 +10,8 @@ import os
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-from dataclasses import dataclass  # noqa: E402
+from collections.abc import Callable  # noqa: E402
+from dataclasses import dataclass, replace  # noqa: E402
 from typing import Any  # noqa: E402
 
 import mujoco  # noqa: E402
@@ -60,6 +61,7 @@ class Outcome:
     depth: float = 0.0
     """Displacement of the contact, m."""
     speed_at_rest: float = 0.0
+    steps: int = 0
 
 
 BLOCKED = "the body is in the striker's way"
@@ -71,6 +73,11 @@ UNSTABLE = "the solver became unstable"
 STUCK = "the striker did not leave"
 RESTLESS = "the shell did not come to rest"
 FOLDED = "triangles turned over"
+NOTHING = "the blow left nothing"
+STILL = 0.5
+"""Of a free body this share of the points, those that are moved least, stay in place on the whole."""
+REPORT = 5
+"""Steps between two reports of the progress."""
 
 
 class Solver:
@@ -90,6 +97,7 @@ class Solver:
         meshes = "".join(f'<mesh name="m{i}" vertex="{_text(one)}"/>' for i, one in enumerate(shell.solids))
         solids = "".join(f'<geom type="mesh" mesh="m{i}" {hard}/>' for i in range(len(shell.solids)))
         slides = "".join(f'<joint name="j{a}" type="slide" axis="{v}"/>' for a, v in zip("xyz", ("1 0 0", "0 1 0", "0 0 1"), strict=True))
+        pins = f'<pin id="{_text(np.flatnonzero(shell.held))}"/>' if shell.held.any() else ""
         self.away = shell.points.mean(0) + [0.0, 0.0, 20 * shell.size]
         xml = (
             f'<mujoco><option timestep="{self.dt:.9g}" integrator="discrete" gravity="0 0 0" solver="CG"/><size memory="1G"/><asset>{meshes}</asset><worldbody>{solids}'
@@ -101,7 +109,7 @@ class Solver:
             f' point="{_text(shell.points)}" element="{_text(shell.triangles)}">'
             f'<elasticity young="{material.young:.9g}" poisson="{material.poisson}" damping="{DAMPED * self.time:.9g}"'
             f' thickness="{thickness:.9g}" elastic2d="both" yield="{material.yield_stretch} {material.yield_bend}"/>'
-            f'<contact selfcollide="none"{masks} {contact}/><pin id="{_text(np.flatnonzero(shell.held))}"/></flexcomp></worldbody></mujoco>'
+            f'<contact selfcollide="none"{masks} {contact}/>{pins}</flexcomp></worldbody></mujoco>'
         )
         try:
             self.model = mujoco.MjModel.from_xml_string(xml)
@@ -121,8 +129,12 @@ class Solver:
         self._reset()
         self._base = self.data.flexvert_xpos.copy()
 
-    def strike(self, blow: Blow) -> Outcome:
-        """Runs a blow to rest."""
+    def strike(self, blow: Blow, tick: Callable[[int], None] = lambda steps: None) -> Outcome:
+        """Runs a blow to rest. `tick` gets the steps that are done."""
+        self.steps = 0
+        return replace(self._strike(blow, tick), steps=self.steps)
+
+    def _strike(self, blow: Blow, tick: Callable[[int], None]) -> Outcome:
         if self.flight.start(blow) is None:
             return Outcome(BLOCKED)
         touch = self.flight.touch(blow)
@@ -143,6 +155,9 @@ class Solver:
         free, after, left = 0, velocity, True
         while True:
             mujoco.mj_step(model, data)
+            self.steps += 1
+            if self.steps % REPORT == 0:
+                tick(self.steps)
             if any(data.warning[one].number for one in _BAD):
                 return Outcome(UNSTABLE)
             if gone is None:
@@ -174,8 +189,12 @@ class Solver:
         mujoco.mj_kinematics(model, data)
         mujoco.mj_flex(model, data)
         field = data.flexvert_xpos - self._base
+        if not np.isfinite(field).all():
+            return Outcome(UNSTABLE)
+        if not self.shell.held.any():
+            field = without_motion(self._base, field)
         length = np.linalg.norm(field, axis=1)
-        if not np.isfinite(field).all() or length.max() > self.shell.size:
+        if length.max() > self.shell.size:
             return Outcome(UNSTABLE)
         impulse = -blow.mass * (after - velocity)
         found = dict(
@@ -231,6 +250,21 @@ class Solver:
         self._park()
         mujoco.mj_forward(self.model, self.data)
         self.data.qacc_warmstart[:] = 0
+
+
+def without_motion(points: Floats, field: Floats) -> Floats:
+    """The displacements of a free body, seen by one who moves and turns with the half of its points that is bent least."""
+    chosen = np.ones(len(points), bool)
+    moved = field
+    for _ in range(8):
+        a, b = points[chosen], (points + field)[chosen]
+        middle, now = a.mean(0), b.mean(0)
+        u, _, v = np.linalg.svd((b - now).T @ (a - middle))
+        turn = u @ np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ v))]) @ v
+        moved = (points + field - now) @ turn + middle - points
+        length = np.linalg.norm(moved, axis=1)
+        chosen = length <= np.quantile(length, STILL)
+    return moved
 
 
 def _text(values: NDArray[Any]) -> str:
