@@ -13,6 +13,7 @@ mod debian;
 mod declarations;
 mod demo;
 mod dependencies;
+mod engines;
 mod fuzz;
 mod godot;
 mod header;

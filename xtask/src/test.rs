@@ -8,7 +8,7 @@ use crate::stage::{self, Outcome, Rules, Stage};
 use crate::tools::{self, Tool};
 use crate::workspace::Workspace;
 use crate::{
-    abi, blender, csharp, demo, fuzz, godot, native, nightly, package, peers, platforms, python, source, valgrind,
+    abi, blender, csharp, demo, engines, fuzz, godot, native, nightly, package, peers, platforms, python, source, valgrind,
     vulkan, web,
 };
 
@@ -70,6 +70,13 @@ const STAGES: &[Stage] = &[
         needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake, Tool::PkgConfig],
         wants: &[Tool::Ode, Tool::Bullet, Tool::VulkanHeaders, Tool::Png],
         run: package::stage,
+    },
+    Stage {
+        name: "engines",
+        shows: "Jolt's contacts dent a hood, and every truth's hits thrown in rapier and Bullet leave what their blows leave",
+        needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake, Tool::Bullet],
+        wants: &[],
+        run: engines::stage,
     },
     Stage {
         name: "abi",
