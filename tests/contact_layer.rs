@@ -247,6 +247,26 @@ fn quick_a_harder_impulse_dents_deeper() {
 }
 
 #[test]
+fn quick_what_a_solver_pushes_apart_is_no_blow() {
+    let set = set(1.0);
+    let expected = told(&set, 5.0, MASS);
+    let got = |factor: f32| {
+        let manifold = |body: &Instance| {
+            let at = [[-0.02, -0.02], [0.02, 0.02]];
+            at.map(|at| point(body, at, 5.0, Some(20.0 * factor))).to_vec()
+        };
+        after(&set, ContactOptions::default(), &[&manifold])
+    };
+    // 40 N s stop the striker. Solvers push bodies apart that sank into each other.
+    for factor in [1.0, 1.04, 1.2, 1.25] {
+        assert!(same(got(factor), expected, 1e-3), "{factor} times what stops it: {} m", got(factor));
+    }
+    let factors = [1.25, 1.3, 1.5, 1.7, 1.75, 2.0];
+    assert!(factors.map(got).is_sorted_by(|a, b| a < b), "{:?}", factors.map(got));
+    assert!(same(got(2.0), told(&set, 5.0, 2.0 * MASS), 1e-3));
+}
+
+#[test]
 fn quick_what_is_slow_or_weak_or_separates_leaves_nothing() {
     let set = set(1.0);
     let count = |speed: f32, impulse: f32| {
