@@ -8,8 +8,8 @@ use crate::stage::{self, Outcome, Rules, Stage};
 use crate::tools::{self, Tool};
 use crate::workspace::Workspace;
 use crate::{
-    abi, blender, csharp, demo, engines, fuzz, godot, native, nightly, package, peers, platforms, python, source, valgrind,
-    vulkan, web,
+    abi, blender, csharp, demo, engines, fuzz, godot, native, nightly, package, peers, platforms, python, source,
+    valgrind, vulkan, web,
 };
 
 #[derive(Args, Default)]
