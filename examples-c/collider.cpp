@@ -2,9 +2,7 @@
 // the dent. Without the refit it falls through the plate: its triangles have left the boxes of the collider's tree.
 //
 //     collider
-#include <crumple.hpp>
-
-#include <btBulletDynamicsCommon.h>
+#include "bullet_contacts.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -70,7 +68,6 @@ crumple::ExampleSet make_set(crumple::Context &context, const Grid &fine, const 
 }
 
 btVector3 to_bullet(const CrumpleVec3 &v) { return {v.x, v.y, v.z}; }
-CrumpleVec3 to_crumple(const btVector3 &v) { return {v.x(), v.y(), v.z()}; }
 
 // Bullet reads the vertices where Crumple writes them.
 struct Collider {
@@ -118,10 +115,8 @@ struct Scene {
     }
     ~Scene() { world.removeRigidBody(plate.get()); }
 
-    // Throws a ball for some seconds, tells each contact's point and its impulse on the plate, and takes the ball away. Returns
-    // where it ended.
-    template <class Told>
-    btVector3 throw_ball(float radius, float mass, const btVector3 &start, float seconds, Told &&told) {
+    // Throws a ball for some seconds and takes it away. Returns where it ended.
+    btVector3 throw_ball(float radius, float mass, const btVector3 &start, float seconds) {
         btSphereShape sphere(radius);
         btVector3 inertia;
         sphere.calculateLocalInertia(mass, inertia);
@@ -130,18 +125,7 @@ struct Scene {
         ball.setDamping(0.3f, 0.9f);
         ball.setActivationState(DISABLE_DEACTIVATION);
         world.addRigidBody(&ball);
-        for (float time = 0; time < seconds; time += STEP) {
-            world.stepSimulation(STEP, 0);
-            for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
-                const btPersistentManifold &manifold = *dispatcher.getManifoldByIndexInternal(m);
-                const bool first = manifold.getBody0() == plate.get(); // the normal points to the first body
-                for (int i = 0; i < manifold.getNumContacts(); ++i) {
-                    const btManifoldPoint &contact = manifold.getContactPoint(i);
-                    const btVector3 impulse = contact.m_normalWorldOnB * contact.getAppliedImpulse() * (first ? 1.0f : -1.0f);
-                    told(first ? contact.getPositionWorldOnA() : contact.getPositionWorldOnB(), impulse);
-                }
-            }
-        }
+        for (float time = 0; time < seconds; time += STEP) world.stepSimulation(STEP, 0);
         world.removeRigidBody(&ball);
         return ball.getWorldTransform().getOrigin();
     }
@@ -191,16 +175,13 @@ void run() {
     context.deform().value();
     Scene scene(collider);
 
-    // The first ball: its contact makes one dent.
+    // The first ball: its contacts make one dent.
     const btVector3 place(0.1f, 0.05f, 0);
-    scene.throw_ball(0.15f, 5, place + btVector3(0, 0, 0.9f), 0.6f, [&](const btVector3 &point, const btVector3 &impulse) {
-        CrumpleImpulseDef hit = crumple_impulse_def_default();
-        hit.point = to_crumple(point);
-        hit.impulse = to_crumple(impulse);
-        hit.contact_id = 1;
-        instance.submit(hit).value();
-    });
-    instance.end_contact(1).value();
+    {
+        BulletContacts contacts(scene.world, context);
+        contacts.dent(*scene.plate, instance.id());
+        scene.throw_ball(0.15f, 5, place + btVector3(0, 0, 0.9f), 0.6f);
+    }
     context.deform().value();
     CrumpleAabb box;
     const std::vector<CrumpleRange> ranges = buffer.changed_triangles(&box).value();
@@ -210,8 +191,7 @@ void run() {
     fact(box.min.z < -0.05f, "the first ball left a dent");
 
     const auto throw_second = [&] {
-        const auto ignored = [](const btVector3 &, const btVector3 &) {};
-        const btVector3 end = scene.throw_ball(0.015f, 0.1f, place + btVector3(0.02f, 0.01f, 0.05f), 3, ignored);
+        const btVector3 end = scene.throw_ball(0.015f, 0.1f, place + btVector3(0.02f, 0.01f, 0.05f), 3);
         std::printf("the second ball ends at (%.3f, %.3f, %.3f)\n", double(end.x()), double(end.y()), double(end.z()));
         return distance_to(drawn, fine.indices, end) - 0.015f;
     };

@@ -2,9 +2,7 @@
 // The bumper falls off when it is dented deep enough, the windshield breaks when it is hit, and a wheel gets out of line.
 //
 //     vehicle FOLDER [FRAMES]     writes FOLDER/frame_00.obj …, 5 frames or as many as you say
-#include <crumple.hpp>
-
-#include <ode/ode.h>
+#include "ode_contacts.hpp"
 
 #include <array>
 #include <cmath>
@@ -12,7 +10,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
-#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -182,25 +179,24 @@ struct Car {
     crumple::Instance instance, bumper;
     std::array<CrumpleAttachment, 4> wheels{}; // the first is the front left one
     std::vector<Shown> shown{PARTS};
-    std::map<dGeomID, bool> touching; // by what; whether in this step
-    bool hit = false;                 // since what it holds was last compared
-    bool straight = true;             // whether the front left wheel is in line
+    uint64_t revision = 0; // of the damage, when what it holds was last compared
+    bool straight = true;  // whether the front left wheel is in line
 
-    Car(crumple::Context &context, dWorldID world_, dSpaceID space_, const char *name_, const char *paint_, const crumple::ExampleSet &set,
-        const std::vector<Mesh> &meshes_, double x, double angle, double speed)
+    Car(crumple::Context &context, OdeContacts &contacts, dWorldID world_, dSpaceID space_, const char *name_, const char *paint_,
+        const crumple::ExampleSet &set, const std::vector<Mesh> &meshes_, double x, double angle, double speed)
         : name(name_), paint(paint_), meshes(meshes_), world(world_), space(space_), body(make_body(1200, 4.1, 1.8, 0.7)) {
         dMatrix3 rotation;
         dRFromAxisAndAngle(rotation, 0, 0, 1, angle);
         dBodySetRotation(body, rotation);
         dBodySetPosition(body, x, 0, 0.36);
         dBodySetLinearVel(body, speed * std::cos(angle), speed * std::sin(angle), 0);
-        dBodySetData(body, this);
         CrumpleInstanceDef def = crumple_instance_def_default();
         def.set = set.id();
         def.compliance = 2e-5f;   // m per N s: 10 000 N s leave 20 cm
-        def.yield_impulse = 400;  // N s: standing on the road leaves no dents
+        def.yield_impulse = 400;  // N s
         def.grow_time = 0.05f;    // s
         instance = context.create_instance(def).value();
+        contacts.dent(dBodyGetFirstGeom(body), instance.id());
         for (const Part glass : {WINDSHIELD, REAR_WINDOW}) instance.set_part_rigid(glass + 1, true).value();
         for (uint32_t part = 0; part < PARTS; ++part) {
             shown[part].vertices.resize(meshes[part].positions.size());
@@ -223,38 +219,12 @@ struct Car {
         return made;
     }
 
-    // A contact's impulse, in parts of one step each: they make one dent.
-    void pushed(dGeomID by, const dReal *at, const dReal *force) {
-        dVector3 point, local;
-        dBodyGetPosRelPoint(body, at[0], at[1], at[2], point);
-        dBodyVectorFromWorld(body, force[0], force[1], force[2], local);
-        touching[by] = hit = true;
-        CrumpleImpulseDef hit = crumple_impulse_def_default();
-        hit.point = {float(point[0]), float(point[1]), float(point[2]) - DOWN};
-        hit.impulse = {float(local[0] * STEP), float(local[1] * STEP), float(local[2] * STEP)};
-        hit.contact_id = reinterpret_cast<uintptr_t>(by);
-        const CrumpleHitResult told = instance.submit(hit).value();
-        if (told.status == CRUMPLE_HIT_STATUS_RIGID && !shown[WINDSHIELD].gone && hit.impulse.z < -5) {
-            std::printf("%-6s  the windshield breaks\n", name);
-            shown[WINDSHIELD].gone = true;
-        }
-    }
-
-    // Ends contacts that are over.
-    void settle(double time) {
-        for (auto at = touching.begin(); at != touching.end();) {
-            if (std::exchange(at->second, false)) {
-                ++at;
-                continue;
-            }
-            const uint64_t id = reinterpret_cast<uintptr_t>(at->first);
-            instance.end_contact(id).value();
-            const CrumpleHitResult whole = instance.contact(id).value();
-            if (whole.status == CRUMPLE_HIT_STATUS_MARKED)
-                std::printf("%-6s  %.2f s: a contact is over, %3.0f mm deep at vertex %u, by %u examples\n", name, time,
-                            1000 * double(whole.mark.depth), whole.contact_vertex, whole.chosen_count);
-            at = touching.erase(at);
-        }
+    // A stone: an impulse in the car's own space, at a point of the mesh.
+    void strike(const CrumpleVec3 &point, const CrumpleVec3 &impulse) {
+        const CrumpleHitResult told = instance.submit_impulse(point, impulse, 0).value();
+        if (told.status != CRUMPLE_HIT_STATUS_RIGID) return;
+        std::printf("%-6s  the windshield breaks\n", name);
+        shown[WINDSHIELD].gone = true;
     }
 
     // How far a wheel's mount moved, m.
@@ -271,7 +241,8 @@ struct Car {
             std::printf("%-6s  %.2f s: the wheel is %.1f mm out of line\n", name, time, 1000 * double(moved));
         }
         // To measure a part takes as long as to deform it.
-        if (!std::exchange(hit, false) || bumper || instance.measure_part(BUMPER + 1).value().deepest < BUMPER_HOLDS) return;
+        const uint64_t before = std::exchange(revision, instance.info().value().revision);
+        if (before == revision || bumper || instance.measure_part(BUMPER + 1).value().deepest < BUMPER_HOLDS) return;
         // Off it comes, with its buffer and its dents, as a body of its own.
         bumper = instance.release_part(BUMPER + 1).value();
         const dBodyID off = make_body(12, 0.1, 1.8, 0.3);
@@ -321,20 +292,14 @@ struct Car {
     }
 };
 
-struct Contact {
-    dGeomID a, b;
-    dContact contact;
-    dJointFeedback feedback;
-};
-
 struct Scene {
     dWorldID world = dWorldCreate();
     dSpaceID space = dHashSpaceCreate(nullptr);
     dJointGroupID joints = dJointGroupCreate(0);
     dGeomID ground = dCreatePlane(space, 0, 0, 1, 0);
-    std::vector<std::unique_ptr<Contact>> contacts;
+    OdeContacts contacts;
 
-    Scene() { dWorldSetGravity(world, 0, 0, -9.81); }
+    explicit Scene(crumple::Context &context) : contacts(context) { dWorldSetGravity(world, 0, 0, -9.81); }
     ~Scene() {
         dJointGroupDestroy(joints);
         dSpaceDestroy(space);
@@ -347,34 +312,22 @@ struct Scene {
         std::array<dContactGeom, 8> found;
         const int count = dCollide(a, b, int(found.size()), found.data(), sizeof found[0]);
         for (int i = 0; i < count; ++i) {
-            scene.contacts.push_back(std::make_unique<Contact>());
-            Contact &contact = *scene.contacts.back();
-            contact = {a, b, {}, {}};
-            contact.contact.geom = found[size_t(i)];
-            contact.contact.surface.mode = dContactBounce;
-            contact.contact.surface.mu = a == scene.ground || b == scene.ground ? 0.05 : 0.4; // wheels roll
-            contact.contact.surface.bounce = 0.1;
-            contact.contact.surface.bounce_vel = 0.5;
-            const dJointID joint = dJointCreateContact(scene.world, scene.joints, &contact.contact);
+            dContact contact{};
+            contact.geom = found[size_t(i)];
+            contact.surface.mode = dContactBounce;
+            contact.surface.mu = a == scene.ground || b == scene.ground ? 0.05 : 0.4; // wheels roll
+            contact.surface.bounce = 0.1;
+            contact.surface.bounce_vel = 0.5;
+            const dJointID joint = dJointCreateContact(scene.world, scene.joints, &contact);
             dJointAttach(joint, dGeomGetBody(a), dGeomGetBody(b));
-            dJointSetFeedback(joint, &contact.feedback);
+            scene.contacts.add(joint, contact.geom);
         }
     }
 
     void step() {
         dSpaceCollide(space, this, near);
         dWorldStep(world, STEP);
-        for (const auto &contact : contacts) {
-            const auto tell = [&](dGeomID hit, dGeomID by, const dReal *force) {
-                const dBodyID body = dGeomGetBody(hit);
-                auto *car = body ? static_cast<Car *>(dBodyGetData(body)) : nullptr;
-                if (car && by != ground) car->pushed(by, contact->contact.geom.pos, force);
-            };
-            tell(contact->a, contact->b, contact->feedback.f1);
-            // ODE counts the only body of a joint as its first.
-            tell(contact->b, contact->a, dGeomGetBody(contact->a) ? contact->feedback.f2 : contact->feedback.f1);
-        }
-        contacts.clear();
+        contacts.step(STEP);
         dJointGroupEmpty(joints);
     }
 };
@@ -383,26 +336,24 @@ void run(const std::string &folder, int frames) {
     crumple::Context context;
     const std::vector<Mesh> meshes = make_parts();
     const crumple::ExampleSet set = make_set(context, meshes);
-    Scene scene;
+    Scene scene(context);
     const dGeomID pole = dCreateCylinder(scene.space, 0.15, 3);
     dGeomSetPosition(pole, 4, 0.65, 1.5);
     const Mesh shown_pole = Mesh::cylinder(0.15f, 1.8f, true);
     std::vector<std::unique_ptr<Car>> cars;
-    cars.push_back(std::make_unique<Car>(context, scene.world, scene.space, "first", "blue", set, meshes, 0.0, 0.0, 12.0));
-    cars.push_back(std::make_unique<Car>(context, scene.world, scene.space, "second", "red", set, meshes, -12.0, 0.0, 14.0));
+    const auto add = [&](const char *name, const char *paint, double x, double speed) {
+        cars.push_back(std::make_unique<Car>(context, scene.contacts, scene.world, scene.space, name, paint, set, meshes, x, 0.0, speed));
+    };
+    add("first", "blue", 0.0, 12.0);
+    add("second", "red", -12.0, 14.0);
     // A stone falls onto the first car's windshield. ODE's box is lower than the glass, so it is told here.
     int frame = 0;
     for (int step = 0; step * STEP <= SECONDS; ++step) {
         const double time = step * STEP;
         context.set_time(time).value();
+        for (auto &car : cars) follow_body(car->instance, car->body, 0, 0, DOWN);
         scene.step();
-        if (step == 200) {
-            const dReal force[] = {0, 0, -20 / STEP};
-            dVector3 glass;
-            dBodyGetRelPointPos(cars[0]->body, 0.6, 0, 1.2 + DOWN, glass);
-            cars[0]->pushed(scene.ground, glass, force);
-        }
-        for (auto &car : cars) car->settle(time);
+        if (step == 200) cars[0]->strike({0.6f, 0, 1.2f}, {0, 0, -20});
         for (auto &car : cars) car->suffer(time);
         context.deform().value();
         if (time >= frame * SECONDS / (frames - 1) - 1e-9) {

@@ -228,6 +228,11 @@ fn quick_a_harder_impulse_dents_deeper() {
         after(&set, ContactOptions::default(), &[&one])
     });
     assert!(depths.is_sorted_by(|a, b| b > &(a * 1.2)), "{depths:?}");
+    // By the learned law: as a striker of so many times the mass.
+    for (depth, factor) in depths.into_iter().zip([1.0, 2.0, 4.0, 1000.0]) {
+        let expected = told(&set, 3.0, MASS * factor);
+        assert!(same(depth, expected, 1e-3), "times {factor}: {depth} m instead of {expected} m");
+    }
     // A gain is a factor of the impulse.
     let gain = |gain: f32, of_point: f32| {
         let one = |body: &Instance| {
@@ -239,6 +244,26 @@ fn quick_a_harder_impulse_dents_deeper() {
     };
     assert!(same(gain(2.0, 2.0), depths[2], 1e-4));
     assert_eq!((gain(0.0, 1.0), gain(1.0, 0.0)), (0.0, 0.0));
+}
+
+#[test]
+fn quick_what_a_solver_pushes_apart_is_no_blow() {
+    let set = set(1.0);
+    let expected = told(&set, 5.0, MASS);
+    let got = |factor: f32| {
+        let manifold = |body: &Instance| {
+            let at = [[-0.02, -0.02], [0.02, 0.02]];
+            at.map(|at| point(body, at, 5.0, Some(20.0 * factor))).to_vec()
+        };
+        after(&set, ContactOptions::default(), &[&manifold])
+    };
+    // 40 N s stop the striker. Solvers push bodies apart that sank into each other.
+    for factor in [1.0, 1.04, 1.2, 1.25] {
+        assert!(same(got(factor), expected, 1e-3), "{factor} times what stops it: {} m", got(factor));
+    }
+    let factors = [1.25, 1.3, 1.5, 1.7, 1.75, 2.0];
+    assert!(factors.map(got).is_sorted_by(|a, b| a < b), "{:?}", factors.map(got));
+    assert!(same(got(2.0), told(&set, 5.0, 2.0 * MASS), 1e-3));
 }
 
 #[test]
@@ -258,6 +283,34 @@ fn quick_what_is_slow_or_weak_or_separates_leaves_nothing() {
     assert_eq!(count(-3.0, 10.0).separating, 600);
     let weak = count(3.0, 0.01);
     assert!(weak.weak > 50 && weak.hits == 0, "{weak:?}");
+}
+
+#[test]
+fn quick_the_order_of_a_pair_may_change_from_step_to_step() {
+    let (set, soft) = (set(1.0), set(3.0));
+    let run = |turned: [bool; 3]| {
+        let ([mut a, mut b], contacts) = (face_to_face(&set, &soft), default());
+        for (turned, (speed, impulse)) in turned.into_iter().zip([(6.0, 20.0), (3.0, 12.0), (1.0, 4.0)]) {
+            let mut p = point(&a, [0.0; 2], speed, Some(impulse));
+            p.bodies[1] = Some(b.inbox().clone());
+            p.masses = [Some(MASS), Some(2.0 * MASS)];
+            p.radii = [Some(0.2), Some(0.1)];
+            if turned {
+                p.bodies.reverse();
+                p.masses.reverse();
+                p.radii.reverse();
+                (p.normal, p.velocity) = (p.normal.map(|x| -x), p.velocity.map(|v| v.map(|x| -x)));
+            }
+            contacts.report(&[p]).unwrap();
+            contacts.step(STEP).unwrap();
+        }
+        assert_eq!(contacts.totals().begun, 2, "one touch for each body");
+        (a.save(), b.save(), depth(&mut a))
+    };
+    let expected = run([false; 3]);
+    assert!(expected.2 > 0.005);
+    assert_eq!(run([false, true, false]), expected);
+    assert_eq!(run([true; 3]), expected);
 }
 
 /// Two sheets face to face: the lower one and its image, turned over.

@@ -2,97 +2,95 @@
 
 mod scenes;
 
-use std::collections::HashMap;
+#[path = "scenes/rapier_contacts.rs"]
+mod rapier_contacts;
+
 use std::sync::Arc;
 
-use crumple::{
-    Blow, ContactLayer, ContactOptions, ContactPoint, ContactReport, ExampleSet, Instance, SetOptions, Striker,
-};
+use crumple::glam::{Mat4, Quat, Vec3};
+use crumple::{Blow, ContactOptions, ContactReport, ExampleSet, Instance, SetOptions, Striker};
+use rapier_contacts::RapierContacts;
 use rapier3d::prelude::*;
 use scenes::{Dice, build, displacements, new};
 
 const MASS: f32 = 8.0;
 const UP: Vector = Vector::Z;
 
-/// A sheet of 1 m whose examples are blows of 8 kg at 3 to 6 m/s.
-fn set() -> Arc<ExampleSet> {
+/// A sheet of 1 m whose examples are blows of 8 kg at 3 to 6 m/s; softer ones at less.
+fn set_of(softness: f32) -> Arc<ExampleSet> {
     let mesh = scenes::sheet(24);
     let mut dice = Dice::new(3);
     let places = [[0.0, 0.0], [-0.25, 0.2], [0.25, -0.2], [-0.2, -0.25], [0.2, 0.25]];
     let examples = places.map(|[x, y]| {
         let depth = dice.between(0.03, 0.06);
         let mut example = scenes::bowl(&mesh, scenes::nearest(&mesh, [x, y, 0.0]), depth, 0.25);
-        let striker = Striker { mass: Some(MASS), velocity: Some([0.0, 0.0, -100.0 * depth]), radius: None };
+        let striker = Striker { mass: Some(MASS), velocity: Some([0.0, 0.0, -100.0 * depth / softness]), radius: None };
         example.blow = Blow { normal: Some([0.0, 0.0, 1.0]), ..Blow::of_striker(striker) };
         example
     });
     build(mesh, examples.to_vec(), SetOptions { depth_limit: Some(1.0), ..SetOptions::default() })
 }
 
-/// A world in which one collider dents, and the layer that hears of its contacts.
+fn set() -> Arc<ExampleSet> {
+    set_of(1.0)
+}
+
+/// A body that moves, with a sheet as its front.
+struct Car {
+    handle: RigidBodyHandle,
+    body: Instance,
+}
+
+/// A world in which a plate dents, and cars do.
 struct World {
     physics: PhysicsWorld,
-    plate: ColliderHandle,
     body: Instance,
-    contacts: ContactLayer,
-    before: HashMap<RigidBodyHandle, (Vector, Vector, Vector)>,
+    cars: Vec<Car>,
+    contacts: RapierContacts,
 }
 
 impl World {
     /// The sheet is the top of a fixed block.
     fn new(hz: f32, gravity: f32) -> Self {
+        let mut world = World::empty(hz, gravity);
+        let block = ColliderBuilder::cuboid(30.0, 30.0, 0.5).translation(UP * -0.5).friction(0.6);
+        let (_, plate) = world.physics.insert(RigidBodyBuilder::fixed(), block);
+        world.contacts.dent(plate, world.body.inbox().clone());
+        world
+    }
+
+    fn empty(hz: f32, gravity: f32) -> Self {
         let mut physics = PhysicsWorld { gravity: UP * -gravity, ..PhysicsWorld::default() };
         physics.integration_parameters.dt = 1.0 / hz;
-        let block = ColliderBuilder::cuboid(30.0, 30.0, 0.5).translation(UP * -0.5).friction(0.6);
-        let (_, plate) = physics.insert(RigidBodyBuilder::fixed(), block);
-        let contacts = ContactLayer::new(ContactOptions::default()).unwrap();
-        World { physics, plate, body: new(&set()), contacts, before: HashMap::new() }
+        let contacts = RapierContacts::new(ContactOptions::default()).unwrap();
+        World { physics, body: new(&set()), cars: Vec::new(), contacts }
     }
 
     fn add(&mut self, body: RigidBodyBuilder, shape: ColliderBuilder) -> RigidBodyHandle {
         self.physics.insert(body.can_sleep(false).ccd_enabled(true), shape.mass(MASS).friction(0.6)).0
     }
 
-    /// Velocity of a body at a point, before the step.
-    fn velocity(&self, body: Option<RigidBodyHandle>, point: Vector) -> Vector {
-        let Some((linear, angular, centre)) = body.and_then(|body| self.before.get(&body)) else { return Vector::ZERO };
-        *linear + angular.cross(point - *centre)
+    /// Adds a block of 1 m by 1 m by 2 m. The sheet is its end along its own z.
+    fn add_car(&mut self, body: RigidBodyBuilder, mass: f32, set: &Arc<ExampleSet>) -> usize {
+        let shape = ColliderBuilder::cuboid(0.5, 0.5, 1.0).mass(mass).friction(0.3);
+        let (handle, collider) = self.physics.insert(body.can_sleep(false), shape);
+        let body = new(set);
+        self.contacts.dent(collider, body.inbox().clone());
+        self.cars.push(Car { handle, body });
+        self.cars.len() - 1
     }
 
-    /// One step of the physics: notes velocities, steps, and reports each point with an impulse.
     fn step(&mut self) -> ContactReport {
-        self.before.clear();
-        for (handle, body) in self.physics.rigid_bodies() {
-            self.before.insert(handle, (body.linvel(), body.angvel(), body.center_of_mass()));
+        for car in &self.cars {
+            let body = &self.physics.bodies[car.handle];
+            let (at, turn) = (body.translation().to_array(), body.rotation().to_array());
+            let pose = Mat4::from_rotation_translation(Quat::from_array(turn), Vec3::from_array(at));
+            car.body.set_transform(pose * Mat4::from_translation(Vec3::Z)).unwrap();
         }
+        self.contacts.before_step(&self.physics.bodies);
         self.physics.step();
-        for (number, pair) in self.physics.contact_pairs().enumerate() {
-            let colliders = [pair.collider1, pair.collider2].map(|c| &self.physics.colliders[c]);
-            let bodies = colliders.map(|c| c.parent());
-            let masses = bodies.map(|b| {
-                let body = b.map(|b| &self.physics.bodies[b]).filter(|b| b.is_dynamic());
-                Some(body.map_or(f32::INFINITY, |b| b.mass()))
-            });
-            if pair.collider1 != self.plate && pair.collider2 != self.plate {
-                continue;
-            }
-            let dents = [pair.collider1, pair.collider2].map(|c| (c == self.plate).then(|| self.body.inbox().clone()));
-            let (a, b) = (pair.collider1.into_raw_parts().0, pair.collider2.into_raw_parts().0);
-            for manifold in pair.solver_manifolds() {
-                for contact in manifold.points.iter().filter(|contact| contact.data.impulse > 0.0) {
-                    let point = colliders[0].position() * contact.local_p1;
-                    let velocity = self.velocity(bodies[1], point) - self.velocity(bodies[0], point);
-                    let normal = manifold.data.normal.to_array();
-                    let mut p =
-                        ContactPoint::new(u64::from(a) << 32 | u64::from(b), dents.clone(), point.to_array(), normal);
-                    p.impulse = Some(contact.data.impulse);
-                    p.velocity = Some(velocity.to_array());
-                    p.masses = masses;
-                    self.contacts.report(&[p]).unwrap_or_else(|error| panic!("pair {number}: {error}"));
-                }
-            }
-        }
-        let report = self.contacts.step(self.physics.integration_parameters.dt).unwrap();
+        let (world, seconds) = (&self.physics, self.physics.integration_parameters.dt);
+        let report = self.contacts.after_step(&world.bodies, &world.colliders, world.contact_pairs(), seconds).unwrap();
         assert_eq!(report.refusal, None);
         report
     }
@@ -103,8 +101,12 @@ impl World {
     }
 
     fn depth(&mut self) -> f32 {
-        displacements(&mut self.body).iter().map(|d| d.length()).fold(0.0, f32::max)
+        deepest(&mut self.body)
     }
+}
+
+fn deepest(body: &mut Instance) -> f32 {
+    displacements(body).iter().map(|d| d.length()).fold(0.0, f32::max)
 }
 
 fn ball() -> ColliderBuilder {
@@ -150,7 +152,7 @@ fn a_ball_and_a_box_leave_the_same_dent_at_any_rate() {
 }
 
 fn whole(world: &mut World, what: &str) {
-    let totals = world.contacts.totals();
+    let totals = world.contacts.layer.totals();
     assert!(world.body.marks().unwrap().is_empty(), "{what} left a mark: {totals:?}");
     assert!(totals.slow > 100, "{what} touched the plate: {totals:?}");
 }
@@ -223,4 +225,73 @@ fn a_box_that_slides_along_leaves_no_mark() {
         world.step();
     }
     whole(&mut world, "a sliding box");
+}
+
+/// Drives two cars into each other at 5 m/s each, and returns how deep they are dented.
+fn head_on(hz: f32, masses: [f32; 2], sets: [&Arc<ExampleSet>; 2]) -> [f32; 2] {
+    let mut world = World::empty(hz, 0.0);
+    for side in [0, 1] {
+        let sign = [1.0, -1.0][side];
+        let turn = Vector::X * if side == 0 { 0.0 } else { std::f32::consts::PI };
+        let body = RigidBodyBuilder::dynamic().translation(UP * (-1.3 * sign)).rotation(turn).linvel(UP * (5.0 * sign));
+        world.add_car(body, masses[side], sets[side]);
+    }
+    world.run(0.5);
+    [0, 1].map(|side| deepest(&mut world.cars[side].body))
+}
+
+#[test]
+fn two_equal_cars_head_on_get_equal_dents() {
+    let set = set();
+    for hz in [30.0, 60.0, 240.0] {
+        let [a, b] = head_on(hz, [MASS; 2], [&set, &set]);
+        println!("{hz} Hz: {a} m and {b} m");
+        assert!(a > 0.01 && (a / b - 1.0).abs() < 0.02, "{hz} Hz: {a} m and {b} m");
+    }
+}
+
+#[test]
+fn of_a_car_and_a_heavier_gate_the_softer_one_gives_way() {
+    let (soft, hard) = (set_of(2.0), set_of(0.5));
+    for hz in [30.0, 60.0, 240.0] {
+        let [car, gate] = head_on(hz, [MASS, 20.0 * MASS], [&soft, &hard]);
+        println!("{hz} Hz: a soft car {car} m, its gate {gate} m");
+        assert!(car > 3.0 * gate, "{hz} Hz: {car} m and {gate} m");
+        let [car, gate] = head_on(hz, [MASS, 20.0 * MASS], [&hard, &soft]);
+        println!("{hz} Hz: a hard car {car} m, its gate {gate} m");
+        assert!(gate > 3.0 * car, "{hz} Hz: {car} m and {gate} m");
+    }
+}
+
+/// The car runs into a wall at 2 m/s while it drives along at 8 m/s, and is pressed against it by twice its weight.
+#[test]
+fn a_car_that_grinds_along_a_wall_keeps_the_dent_of_its_first_hit() {
+    for hz in [30.0, 60.0] {
+        let mut world = World::empty(hz, 0.0);
+        let wall = ColliderBuilder::cuboid(2000.0, 30.0, 0.5).translation(UP * 1.7).friction(0.3);
+        world.physics.insert(RigidBodyBuilder::fixed(), wall);
+        let start = RigidBodyBuilder::dynamic().linvel(Vector::new(8.0, 0.0, 2.0));
+        let car = world.add_car(start.enabled_rotations(false, false, false), MASS, &set());
+        let mut dice = Dice::new(1);
+        let mut first = 0.0;
+        for step in 0..(minutes() * hz) as usize {
+            let handle = world.cars[car].handle;
+            let body = &mut world.physics.bodies[handle];
+            let velocity = body.linvel();
+            body.set_linvel(Vector::new(8.0, 0.0, velocity.z), true);
+            if body.translation().x > 1000.0 {
+                body.set_translation(body.translation() - Vector::X * 2000.0, true);
+            }
+            // The road shakes it.
+            body.apply_impulse(UP * (MASS * (2.0 * 9.81 / hz + dice.between(-0.2, 0.2))), true);
+            world.step();
+            if step == hz as usize / 2 {
+                first = deepest(&mut world.cars[car].body);
+            }
+        }
+        let last = deepest(&mut world.cars[car].body);
+        println!("{hz} Hz: {first} m at first, {last} m at last, {:?}", world.contacts.layer.totals());
+        assert!(first > 0.002, "{hz} Hz: the first hit left {first} m");
+        assert!(last <= first, "{hz} Hz: {last} m instead of {first} m");
+    }
 }

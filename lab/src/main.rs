@@ -51,7 +51,7 @@ enum Part {
     Peers(Options),
     /// Hits in an engine with the body rigid, and Crumple told its contacts
     #[cfg(feature = "engines")]
-    Contacts(Options),
+    Contacts(ContactsOptions),
     /// The paper's visual tests, classic beside ours
     Pictures(Options),
     /// Time against the number of moved vertices and against threads
@@ -81,6 +81,19 @@ pub struct Options {
     pub out: PathBuf,
 }
 
+/// What the part `contacts` is told.
+#[derive(Args, Debug, Clone)]
+pub struct ContactsOptions {
+    #[command(flatten)]
+    all: Options,
+    /// The program of lab/bullet; without it, Bullet is left out
+    #[arg(long, value_name = "PROGRAM")]
+    bullet: Option<PathBuf>,
+    /// Fail where the figures are worse than what the engines reach
+    #[arg(long)]
+    check: bool,
+}
+
 fn main() -> Result<()> {
     match Cli::parse().part {
         Part::Accuracy(options) => accuracy::run(&options),
@@ -91,7 +104,7 @@ fn main() -> Result<()> {
         #[cfg(feature = "engines")]
         Part::Peers(options) => peers::run(&options),
         #[cfg(feature = "engines")]
-        Part::Contacts(options) => peers::contacts(&options),
+        Part::Contacts(options) => peers::contacts(&options.all, options.bullet.as_deref(), options.check),
         Part::Pictures(options) => pictures::run(&options),
         Part::Speed(options) => bench::speed(&options),
         Part::Bench(options) => bench::run(&options),

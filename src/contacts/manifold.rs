@@ -40,13 +40,38 @@ pub(super) fn pushes(points: &[Reported], options: &ContactOptions, out: &mut Ve
         _ => (0.0, None),
     };
     let total: f64 = points.iter().map(|p| push(p).0).sum();
+    let share = blow_share(points, |p| push(p).0);
     out.clear();
     out.extend(points.iter().map(|p| {
         let (impulse, guessed) = push(p);
-        let gain = p.gain * f64::from(options.gain);
+        let gain = p.gain * f64::from(options.gain) * share;
         let speed = p.approach().or_else(|| Some(total / p.mass?));
         Push { impulse: impulse * gain, speed, derived: p.velocity.is_none(), guessed: guessed.map(|m| m * gain) }
     }));
+}
+
+/// An impulse that exceeds what stops the bodies by up to this factor only moves them apart again: solvers do so where bodies
+/// sank into each other.
+const SOLVER: f64 = 1.25;
+/// From this factor on, something else pushes the bodies together, and all of the impulse counts.
+const PUSHED: f64 = 1.75;
+
+/// The share of the impulses that belongs to the blow.
+fn blow_share(points: &[Reported], impulse: impl Fn(&Reported) -> f64) -> f64 {
+    let (mut all, mut stops) = (0.0, 0.0);
+    for p in points {
+        let (Some(mass), Some(speed)) = (p.mass, p.approach()) else { return 1.0 };
+        let j = impulse(p);
+        all += j;
+        stops += j * mass * speed;
+    }
+    // The impulses' mean of what stops the bodies.
+    let excess = all * all / stops;
+    match excess {
+        e if e > 1.0 && e <= SOLVER => 1.0 / e,
+        e if e > SOLVER && e < PUSHED => (1.0 + (PUSHED - 1.0) * (e - SOLVER) / (PUSHED - SOLVER)) / e,
+        _ => 1.0,
+    }
 }
 
 /// A push on one of the two bodies.

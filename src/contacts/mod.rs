@@ -22,7 +22,7 @@ use crate::base::error::{Error, positive};
 use crate::base::math::to_f32;
 use crate::base::sync::{Mutex, MutexGuard};
 use crate::instance::inbox::Inbox;
-use crate::select::hit::Hit;
+use crate::select::hit::{Hit, Outcome};
 use glam::DVec3;
 use manifold::{Part, Push, next_blow};
 use options::ContactOptions;
@@ -32,10 +32,14 @@ use scale::{Scale, Scales};
 use share::{Whole, shares};
 use std::num::NonZeroU64;
 use std::ops::Range;
+use std::sync::Arc;
 use touch::{Fit, Key, Touch, blow};
 
 /// Contacts of the layer have ids from here on, so that they are not those of a host.
 const FIRST_ID: u64 = 1 << 63;
+
+/// Who is told of each hit.
+type Told<'a> = dyn FnMut(&Arc<Inbox>, &Outcome) + 'a;
 
 /// m/s².
 const GRAVITY: f64 = 9.81;
@@ -191,6 +195,15 @@ impl ContactLayer {
     /// # Errors
     /// [`Error::InvalidArgument`] if `seconds` is not above 0; [`Error::OutOfMemory`]. After an error nothing has changed.
     pub fn step(&self, seconds: f32) -> Result<ContactReport, Error> {
+        self.step_each(seconds, |_, _| ())
+    }
+
+    /// Like [`step`](Self::step), and calls `told` with the effect of each hit on its body, for sounds and sparks. A call
+    /// back into the layer never returns.
+    ///
+    /// # Errors
+    /// Those of [`step`](Self::step).
+    pub fn step_each(&self, seconds: f32, mut told: impl FnMut(&Arc<Inbox>, &Outcome)) -> Result<ContactReport, Error> {
         positive("seconds", seconds, "s")?;
         let mut state = self.state();
         let state = &mut *state;
@@ -204,7 +217,7 @@ impl ContactLayer {
         points.sort_unstable_by(Reported::order);
         let mut report = ContactReport { points: points.len() as u64, ..Default::default() };
         for pair in points.chunk_by(|a, b| a.key() == b.key()) {
-            state.pair(pair, &mut report);
+            state.pair(pair, &mut report, &mut told);
         }
         points.clear();
         state.points = points;
@@ -237,10 +250,12 @@ impl ContactLayer {
 
 impl ContactReport {
     /// Brings a hit to a body, and counts it.
-    fn hit(&mut self, body: &Body, hit: &Hit) {
-        let Some(inbox) = body.inbox.upgrade() else { return };
+    fn hit(&mut self, inbox: &Arc<Inbox>, hit: &Hit, told: &mut Told<'_>) {
         match inbox.submit(hit) {
-            Ok(_) => self.hits += 1,
+            Ok(outcome) => {
+                self.hits += 1;
+                told(inbox, &outcome);
+            }
             Err(error) => {
                 self.refused += 1;
                 self.refusal.get_or_insert(error);
@@ -262,7 +277,7 @@ impl ContactReport {
 
 impl State {
     /// The points of one pair in this step.
-    fn pair(&mut self, points: &[Reported], report: &mut ContactReport) {
+    fn pair(&mut self, points: &[Reported], report: &mut ContactReport, told: &mut Told<'_>) {
         self.seen(points[0].key(), report);
         let bodies = [0, 1].map(|side| points[0].bodies[side].as_ref());
         let inboxes = bodies.map(|body| body.and_then(|body| body.inbox.upgrade()));
@@ -284,7 +299,10 @@ impl State {
             });
             let (pair, numbers) = points[0].key();
             while let Some(blow) = next_blow(&mut self.parts, scale.radius) {
-                self.blow((pair, numbers, side), (body, inbox), &blow, &scale, shares[side], report);
+                let hit = self.blow((pair, numbers, side), (body, inbox), &blow, &scale, shares[side], report);
+                if let Some(hit) = hit {
+                    report.hit(inbox, &hit, told);
+                }
             }
         }
         self.pushes = pushes;
@@ -347,7 +365,7 @@ impl State {
         !self.parts.is_empty()
     }
 
-    /// One blow on one body: adds it to its touch, and brings the body what is strong enough.
+    /// One blow on one body: adds it to its touch. Returns what is strong enough for a hit.
     fn blow(
         &mut self,
         key: Key,
@@ -356,17 +374,17 @@ impl State {
         scale: &Scale,
         share: f64,
         report: &mut ContactReport,
-    ) {
+    ) -> Option<Hit> {
         let begins = blow.push.speed.is_none_or(|speed| speed >= scale.speed);
         let at = match self.nearest(key, blow, scale.radius) {
             None if !begins => {
                 report.slow += 1;
-                return;
+                return None;
             }
             Some(at) => match self.touches[at].fit(blow) {
                 Fit::Holds => {
                     report.slow += 1;
-                    return;
+                    return None;
                 }
                 Fit::Same => at,
                 Fit::Another => {
@@ -378,9 +396,7 @@ impl State {
         };
         let touch = &mut self.touches[at];
         touch.add(blow);
-        if let Some(hit) = touch.hit(scale.energy, inbox.world_to_local()) {
-            report.hit(body, &hit);
-        }
+        touch.hit(scale.energy, inbox.world_to_local())
     }
 
     /// The touches of a key.

@@ -153,7 +153,7 @@ impl Reported {
             let inbox = p.bodies[side].as_ref()?;
             Some(Body { number: inbox.number(), inbox: Arc::downgrade(inbox) })
         };
-        Reported {
+        let mut reported = Reported {
             pair: p.pair,
             bodies: [body(0), body(1)],
             point: double(p.point),
@@ -164,7 +164,21 @@ impl Reported {
             mass: p.reduced_mass(),
             radii: p.radii,
             gain: p.gain.into(),
+        };
+        let (_, [a, b]) = reported.key();
+        if a > b {
+            reported.turn();
         }
+        reported
+    }
+
+    /// Exchanges the bodies. Engines name a pair's bodies in either order, some in another one at each step.
+    fn turn(&mut self) {
+        self.bodies.swap(0, 1);
+        self.radii.swap(0, 1);
+        self.normal = -self.normal;
+        self.velocity = self.velocity.map(|v| -v);
+        self.velocity_after = self.velocity_after.map(|v| -v);
     }
 
     /// The pair and the numbers of its bodies; 0 for one that does not dent.

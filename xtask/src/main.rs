@@ -14,6 +14,7 @@ mod debian;
 mod declarations;
 mod demo;
 mod dependencies;
+mod engines;
 mod exporters;
 mod fuzz;
 mod godot;

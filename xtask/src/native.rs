@@ -90,6 +90,14 @@ fn jobs() -> String {
 }
 
 pub fn compile(workspace: &Workspace, build: &Build<'_>, source: &Path, directory: &Path) -> Result<()> {
+    configure(workspace, build, source, directory)?;
+    let jobs = jobs();
+    Ok(cmd!(workspace.shell, "cmake --build {directory} --config RelWithDebInfo --parallel {jobs}")
+        .ignore_stdout()
+        .run()?)
+}
+
+pub fn configure(workspace: &Workspace, build: &Build<'_>, source: &Path, directory: &Path) -> Result<()> {
     let &Build { prefix, options, launcher, validation, .. } = build;
     let sh = &workspace.shell;
     // A program must not be left out if what it needs is installed.
@@ -110,8 +118,7 @@ pub fn compile(workspace: &Workspace, build: &Build<'_>, source: &Path, director
     .quiet()
     .ignore_stdout()
     .run()?;
-    let jobs = jobs();
-    Ok(cmd!(sh, "cmake --build {directory} --config RelWithDebInfo --parallel {jobs}").ignore_stdout().run()?)
+    Ok(())
 }
 
 pub fn ctest(workspace: &Workspace) -> Result<Outcome> {

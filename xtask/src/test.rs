@@ -8,8 +8,8 @@ use crate::stage::{self, Outcome, Rules, Stage};
 use crate::tools::{self, Tool};
 use crate::workspace::Workspace;
 use crate::{
-    abi, blender, car, csharp, demo, exporters, fuzz, godot, native, nightly, package, peers, platforms, python,
-    source, valgrind, vulkan, web,
+    abi, blender, car, csharp, demo, engines, exporters, fuzz, godot, native, nightly, package, peers, platforms,
+    python, source, valgrind, vulkan, web,
 };
 
 #[derive(Args, Default)]
@@ -70,6 +70,13 @@ const STAGES: &[Stage] = &[
         needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake, Tool::PkgConfig],
         wants: &[Tool::Ode, Tool::Bullet, Tool::VulkanHeaders, Tool::Png],
         run: package::stage,
+    },
+    Stage {
+        name: "engines",
+        shows: "Jolt's contacts dent a hood, and every truth's hits thrown in rapier and Bullet leave what their blows leave",
+        needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake, Tool::Bullet],
+        wants: &[],
+        run: engines::stage,
     },
     Stage {
         name: "abi",

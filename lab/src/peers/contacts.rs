@@ -1,15 +1,23 @@
-//! A real engine's knowledge, end to end: each hit again in rapier, with the body rigid and fixed. What its contact reports is
-//! all that Crumple is told. The difference to the blow itself is the error that the engine adds.
+//! A real engine's contacts, end to end: each hit again in an engine, with the body rigid and fixed. The engine's contact points
+//! go through the contact layer, and what it makes of them is all that Crumple is told. The difference to the blow itself is
+//! the error that engine and layer add.
 
-use anyhow::Result;
-use crumple::{Blow, Hit, InstanceOptions, Placement, SetOptions, Striker};
+#[path = "../../../tests/scenes/rapier_contacts.rs"]
+mod rapier_contacts;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use anyhow::{Context, Result, ensure};
+use crumple::{ContactOptions, ExampleSet, Hit, Instance, InstanceOptions, Placement, SetOptions};
 use rapier3d::prelude::*;
 
 use crate::Options;
-use crate::metric::{dot64, length, median, quantile, relative_l2, sub};
+use crate::metric::{deepest, dot64, median, quantile, relative_l2, sub};
 use crate::scene;
 use crate::table::{Table, num};
-use crate::truth::{self, Body, Impact, Truth};
+use crate::truth::{self, Body, Field, Impact, Truth};
+use rapier_contacts::RapierContacts;
 
 /// Bodies whose strikers are balls. The box is struck by poles, too.
 const BODIES: [(Truth, &str); 4] =
@@ -17,163 +25,259 @@ const BODIES: [(Truth, &str); 4] =
 const RATES: [f32; 3] = [30.0, 60.0, 240.0];
 const EXAMPLES: [usize; 2] = [8, 24];
 const FRICTION: f32 = 0.4;
-/// The ball's way before the touch, m, beside a part of a step that differs from hit to hit.
+/// The striker's way before the touch, m, beside a part of a step that differs from hit to hit.
 const RUN_UP: f32 = 0.1;
-/// The impulses of this long after the touch are one contact, s.
-const CONTACT: f32 = 0.05;
+/// Half of a box's edge, as a share of the ball's radius: its face is a touch of four points.
+const HALF: f32 = 0.5;
+/// How long a throw goes on after the striker must have touched, s.
+const AFTER: f32 = 0.2;
 /// Above every dent, m.
 const DEEP: f32 = 1.0;
+/// A dent that moves nothing this far is none, m. Its depth is not compared among rates.
+const LEAST: f64 = 0.001;
 
-/// What the engine reports of a contact.
-struct Report {
-    point: [f32; 3],
-    /// Out of the body.
-    normal: [f32; 3],
-    /// On the body, N s.
-    impulse: [f32; 3],
-    /// Before the touch, m/s.
-    velocity: [f32; 3],
+/// The aims: how far the median error may be from that of being told the blow, and the dents of the rates from each other.
+const WITHIN: f64 = 0.03;
+const APART: f64 = 0.05;
+/// What engines reach of them, for `--check`. A solver decides how it spreads a box's impulse over its points, and Bullet's pushes
+/// bodies apart that sank into a mesh.
+const FLOORS: [(&str, Shape, f64, f64); 4] = [
+    ("rapier", Shape::Ball, 0.05, 0.03),
+    ("rapier", Shape::Box, 0.08, 0.1),
+    ("bullet", Shape::Ball, 0.09, 0.15),
+    ("bullet", Shape::Box, 0.14, 0.21),
+];
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Shape {
+    Ball,
+    Box,
 }
 
-pub fn run(options: &Options) -> Result<()> {
+/// A hit thrown at a rate of steps.
+struct Throw<'a> {
+    impact: &'a Impact,
+    blow: truth::Blow,
+    shape: Shape,
+    hz: f32,
+    /// The touch falls into another part of the step at each hit.
+    phase: f32,
+}
+
+/// What a throw left.
+struct Left {
+    field: Field,
+    /// The vertex that the first mark names. `None` if there is no mark.
+    contact: Option<u32>,
+}
+
+impl Throw<'_> {
+    fn half(&self) -> f32 {
+        if self.shape == Shape::Ball { self.blow.radius } else { HALF * self.blow.radius }
+    }
+
+    fn start(&self) -> Vector {
+        let before = RUN_UP + self.phase * self.speed() / self.hz;
+        vector(self.impact.point) + vector(self.blow.normal) * self.half() - vector(self.impact.direction) * before
+    }
+
+    fn speed(&self) -> f32 {
+        vector(self.blow.velocity).length()
+    }
+
+    fn seconds(&self) -> f32 {
+        AFTER + (2.0 * RUN_UP + self.blow.radius) / self.speed() + 2.0 / self.hz
+    }
+
+    /// Turns z to the contact normal.
+    fn turn(&self) -> Rotation {
+        Rotation::from_rotation_arc(Vector::Z, vector(self.blow.normal).normalize())
+    }
+}
+
+pub fn run(options: &Options, bullet: Option<&Path>, check: bool) -> Result<()> {
     let mut table = Table::new(&[
+        "engine",
         "truth",
         "body",
         "test",
         "examples",
+        "striker",
         "hz",
         "rel_l2_median",
         "rel_l2_p90",
         "told_blow_median",
         "told_blow_p90",
         "point_off_mm_median",
-        "point_off_mm_p90",
-        "normal_off_deg_median",
-        "impulse_off_median",
+        "rates_apart_median",
+        "rates_apart_p90",
         "missed",
         "n",
     ]);
     table.comment("command", "cargo xtask lab --only contacts");
-    table.comment(
-        "engine",
-        format!("rapier3d {}, body fixed, ball with continuous collision detection", super::VERSION),
-    );
+    table.comment("rapier", format!("rapier3d {}, body fixed, continuous collision detection", super::VERSION));
+    if bullet.is_some() {
+        table.comment("bullet", "lab/bullet/throw.cpp, body fixed, continuous collision detection for balls");
+    }
     table.comment(
         "rel_l2",
-        "Crumple is told the contact that the engine reports; a hit that it misses counts as no dent",
+        "Crumple is told what the contact layer makes of the engine's points; a hit that it misses counts as no dent",
     );
     table.comment("told_blow", "Crumple is told the blow itself");
+    table.comment("rates_apart", "deepest of a hit's dents at the three rates over the shallowest, less 1");
+    let mut over = 0;
     for (truth, name) in BODIES {
         let body = Body::read(truth, name)?;
         let (test, hits) = if body.play.is_empty() { ("heldout", &body.heldout) } else { ("play", &body.play) };
-        let hits: Vec<&Impact> = hits.iter().take(if options.quick { 4 } else { usize::MAX }).collect();
+        let hits: Vec<(&Impact, truth::Blow)> = hits
+            .iter()
+            .filter_map(|i| i.blow.map(|b| (i, b.in_engine())))
+            .take(if options.quick { 4 } else { usize::MAX })
+            .collect();
         let train = if body.train_free.is_empty() { body.train.clone() } else { body.train_free.clone() };
         let body = Body { train, ..body.clone() };
+        let shape = mesh(&body)?;
         for examples in EXAMPLES {
             let set = scene::set(&body, examples, Placement::Automatic, SetOptions::default())?;
             let ours = InstanceOptions { depth_limit: Some(DEEP), ..Default::default() };
-            let error = |hit: Option<Hit>, impact: &Impact| -> Result<f64> {
-                let Some(hit) = hit else { return Ok(1.0) };
-                Ok(relative_l2(&scene::field_after(&set, &ours, &[hit])?, &impact.field))
+            let told = |(i, b): &(&Impact, truth::Blow)| -> Result<f64> {
+                Ok(relative_l2(&scene::field_after(&set, &ours, &[Hit::blow(i.point, scene::blow(b))])?, &i.field))
             };
-            let known: Vec<(&Impact, truth::Blow)> =
-                hits.iter().filter_map(|i| i.blow.map(|b| (*i, b.in_engine()))).collect();
-            let told = |(i, b): &(&Impact, truth::Blow)| error(Some(Hit::blow(i.point, scene::blow(b))), i);
-            let told: Vec<f64> = known.iter().map(told).collect::<Result<_>>()?;
-            for hz in RATES {
-                let report = |(index, (i, b)): (usize, &(&Impact, truth::Blow))| strike(&body, i, b, hz, index);
-                let reports: Vec<Option<Report>> = known.iter().enumerate().map(report).collect::<Result<_>>()?;
-                let pairs = || known.iter().zip(&reports);
-                let errors: Vec<f64> =
-                    pairs().map(|((i, b), r)| error(r.as_ref().map(|r| hit(r, b)), i)).collect::<Result<_>>()?;
-                let found = || pairs().filter_map(|((i, b), r)| Some((i, b, r.as_ref()?)));
-                let off: Vec<f64> = found()
-                    .map(|(i, _, r)| {
-                        let d = sub(r.point, i.point);
-                        1e3 * dot64(d, d).sqrt()
+            let told: Vec<f64> = hits.iter().map(told).collect::<Result<_>>()?;
+            for (engine, striker) in
+                [("rapier", Shape::Ball), ("rapier", Shape::Box), ("bullet", Shape::Ball), ("bullet", Shape::Box)]
+            {
+                let throws = |hz: f32| -> Vec<Throw<'_>> {
+                    let phase = |index: usize| (0.618 * index as f32).fract();
+                    let hits = hits.iter().enumerate();
+                    hits.map(|(i, (impact, blow))| Throw { impact, blow: *blow, shape: striker, hz, phase: phase(i) })
+                        .collect()
+                };
+                let left: Vec<Vec<Left>> = match (engine, bullet) {
+                    ("rapier", _) => RATES
+                        .iter()
+                        .map(|hz| throws(*hz).iter().map(|t| strike(&set, &ours, &shape, t)).collect())
+                        .collect::<Result<_>>()?,
+                    (_, Some(program)) => in_bullet(program, &set, &RATES.map(throws))?,
+                    _ => continue,
+                };
+                let apart: Vec<f64> = (0..hits.len())
+                    .filter_map(|i| {
+                        let depths = left.iter().map(|at_rate| deepest(&at_rate[i].field));
+                        let (low, high) = depths.fold((f64::INFINITY, 0.0f64), |(l, h), d| (l.min(d), h.max(d)));
+                        (low > LEAST).then(|| high / low - 1.0)
                     })
                     .collect();
-                let turned: Vec<f64> = found().map(|(_, b, r)| angle_deg(b.normal, r.normal)).collect();
-                let impulse: Vec<f64> =
-                    found().map(|(_, b, r)| (length(r.impulse) / length(b.impulse) - 1.0).abs()).collect();
-                let missed = reports.iter().filter(|r| r.is_none()).count();
-                let numbers = [
-                    median(&errors),
-                    quantile(&errors, 0.9),
-                    median(&told),
-                    quantile(&told, 0.9),
-                    median(&off),
-                    quantile(&off, 0.9),
-                    median(&turned),
-                    median(&impulse),
-                ];
-                let head = [truth.name(), name, test].map(str::to_owned).into_iter();
-                let head = head.chain([examples.to_string(), num(hz.into())]);
-                table.row(head.chain(numbers.map(num)).chain([missed.to_string(), known.len().to_string()]))?;
+                for (hz, left) in RATES.iter().zip(&left) {
+                    let errors: Vec<f64> =
+                        hits.iter().zip(left).map(|((i, _), l)| relative_l2(&l.field, &i.field)).collect();
+                    let off: Vec<f64> = hits
+                        .iter()
+                        .zip(left)
+                        .filter_map(|((i, _), l)| {
+                            let d = sub(body.vertices[l.contact? as usize], body.vertices[i.contact_vertex as usize]);
+                            Some(1e3 * dot64(d, d).sqrt())
+                        })
+                        .collect();
+                    let numbers = [
+                        median(&errors),
+                        quantile(&errors, 0.9),
+                        median(&told),
+                        quantile(&told, 0.9),
+                        median(&off),
+                        median(&apart),
+                        quantile(&apart, 0.9),
+                    ];
+                    let (off, spread) = ((numbers[0] - numbers[2]).abs(), numbers[5]);
+                    if off > WITHIN || spread > APART {
+                        let (truth, told) = (truth.name(), numbers[2]);
+                        println!(
+                            "aim missed: {engine}, {truth} {name}, {examples} examples, {striker:?}, {hz} Hz: the median error \
+                             is {:.3}, told the blow {told:.3}; the rates are {spread:.3} apart",
+                            numbers[0]
+                        );
+                    }
+                    let floor = FLOORS.iter().find(|floor| floor.0 == engine && floor.1 == striker);
+                    over += usize::from(floor.is_some_and(|floor| off > floor.2 || spread > floor.3));
+                    let missed = left.iter().filter(|l| l.contact.is_none()).count();
+                    let striker = if striker == Shape::Ball { "ball" } else { "box" };
+                    let head = [engine, truth.name(), name, test].map(str::to_owned).into_iter();
+                    let head = head.chain([examples.to_string(), striker.into(), num((*hz).into())]);
+                    table.row(head.chain(numbers.map(num)).chain([missed.to_string(), hits.len().to_string()]))?;
+                }
             }
         }
         println!("contacts: {} {name}", truth.name());
     }
     println!("{}", table.write(&options.out, "told_engine.csv")?.display());
+    ensure!(!check || over == 0, "{over} rows are further off than what the engines reach");
     Ok(())
 }
 
-/// What Crumple is told: the report, and the striker, which the game made.
-fn hit(report: &Report, known: &truth::Blow) -> Hit {
-    let striker = Striker { mass: Some(known.mass), velocity: Some(report.velocity), radius: Some(known.radius) };
-    let blow = Blow { impulse: Some(report.impulse), duration: None, normal: Some(report.normal), striker };
-    Hit::blow(report.point, blow)
+fn mesh(body: &Body) -> Result<SharedShape> {
+    let vertices: Vec<Vector> = body.vertices.iter().map(|p| vector(*p)).collect();
+    Ok(SharedShape::trimesh_with_flags(vertices, body.triangles.clone(), TriMeshFlags::FIX_INTERNAL_EDGES)?)
 }
 
-fn angle_deg(a: [f32; 3], b: [f32; 3]) -> f64 {
-    let cosine = dot64(a.map(f64::from), b.map(f64::from)) / (length(a) * length(b));
-    cosine.clamp(-1.0, 1.0).acos().to_degrees()
-}
-
-/// Lets the ball fly at the fixed body. `None` if they never touch. The impulse is what the ball loses in momentum: the contact's
-/// own sum has no friction.
-fn strike(body: &Body, impact: &Impact, blow: &truth::Blow, hz: f32, index: usize) -> Result<Option<Report>> {
+/// Lets the striker fly at the fixed body in rapier.
+fn strike(set: &Arc<ExampleSet>, options: &InstanceOptions, mesh: &SharedShape, throw: &Throw<'_>) -> Result<Left> {
     let mut world = PhysicsWorld::new();
     world.gravity = Vector::ZERO;
-    world.integration_parameters.dt = 1.0 / hz;
-    let vertices: Vec<Vector> = body.vertices.iter().map(|p| vector(*p)).collect();
-    let mesh = ColliderBuilder::trimesh_with_flags(vertices, body.triangles.clone(), TriMeshFlags::FIX_INTERNAL_EDGES)?;
-    let (_, mesh) = world.insert(RigidBodyBuilder::fixed(), mesh.friction(FRICTION).restitution(0.0));
-    let velocity = vector(blow.velocity);
-    // The touch falls into another part of the step at each hit.
-    let phase = (0.618 * index as f32).fract() * velocity.length() / hz;
-    let centre = vector(impact.point) + vector(blow.normal) * blow.radius;
-    let start = centre - vector(impact.direction) * (RUN_UP + phase);
-    let ball = RigidBodyBuilder::dynamic().translation(start).linvel(velocity).ccd_enabled(true).can_sleep(false);
-    let collider = ColliderBuilder::ball(blow.radius).mass(blow.mass).friction(FRICTION).restitution(0.0);
-    let (ball, collider) = world.insert(ball, collider);
-    let mut report: Option<Report> = None;
-    let (mut since, mut flown) = (0.0, 0.0);
-    let most = 4.0 * (RUN_UP + phase + blow.radius) / velocity.length() + 2.0 / hz;
-    while since < CONTACT && (report.is_some() || flown < most) {
-        let before = world.bodies[ball].linvel();
+    world.integration_parameters.dt = 1.0 / throw.hz;
+    let mesh = ColliderBuilder::new(mesh.clone()).friction(FRICTION).restitution(0.0);
+    let (_, mesh) = world.insert(RigidBodyBuilder::fixed(), mesh);
+    let body = RigidBodyBuilder::dynamic().ccd_enabled(true).can_sleep(false);
+    let body = body.pose(Pose::from_parts(throw.start(), throw.turn())).linvel(vector(throw.blow.velocity));
+    let half = throw.half();
+    let striker = match throw.shape {
+        Shape::Ball => ColliderBuilder::ball(half),
+        Shape::Box => ColliderBuilder::cuboid(half, half, half),
+    };
+    world.insert(body, striker.mass(throw.blow.mass).friction(FRICTION).restitution(0.0));
+    let mut dented = Instance::new(set.clone(), *options)?;
+    let mut contacts = RapierContacts::new(ContactOptions::default())?;
+    contacts.dent(mesh, dented.inbox().clone());
+    for _ in 0..(throw.seconds() * throw.hz).ceil() as usize {
+        contacts.before_step(&world.bodies);
         world.step();
-        flown += 1.0 / hz;
-        let lost = (before - world.bodies[ball].linvel()) * blow.mass;
-        if let Some(r) = &mut report {
-            since += 1.0 / hz;
-            r.impulse = (vector(r.impulse) + lost).to_array();
-        } else if lost.length() > 1e-3 * blow.mass * before.length() {
-            let Some(pair) = world.contact_pair(mesh, collider) else { continue };
-            let Some((manifold, contact)) = pair.find_deepest_contact() else { continue };
-            // The mesh is fixed at the origin, so its local points are the world's.
-            let first = pair.collider1 == mesh;
-            let point = if first { contact.local_p1 } else { contact.local_p2 };
-            let normal = manifold.data.normal * if first { 1.0 } else { -1.0 };
-            report = Some(Report {
-                point: point.to_array(),
-                normal: normal.to_array(),
-                impulse: lost.to_array(),
-                velocity: before.to_array(),
-            });
-        }
+        let seconds = world.integration_parameters.dt;
+        let report = contacts.after_step(&world.bodies, &world.colliders, world.contact_pairs(), seconds)?;
+        ensure!(report.refusal.is_none(), "a hit was refused: {report:?}");
     }
-    Ok(report)
+    let contact = dented.marks()?.first().map(|mark| mark.contact);
+    Ok(Left { field: scene::displacements(&mut dented)?, contact })
+}
+
+/// Lets a program throw in Bullet. It reads a baked set and a line for each throw, and writes for each throw the contact's vertex
+/// and the displacements of all vertices.
+fn in_bullet(program: &Path, set: &ExampleSet, throws: &[Vec<Throw<'_>>]) -> Result<Vec<Vec<Left>>> {
+    let folder = std::env::temp_dir().join(format!("crumple-throws-{}", std::process::id()));
+    std::fs::create_dir_all(&folder)?;
+    let [baked, list, out] = ["set.crumple", "throws.txt", "left.bin"].map(|name| folder.join(name));
+    std::fs::write(&baked, set.save()?)?;
+    let mut text = String::new();
+    for t in throws.iter().flatten() {
+        let shape = if t.shape == Shape::Ball { "ball" } else { "box" };
+        let (at, v, q) = (t.start(), t.blow.velocity, t.turn());
+        let numbers = [t.half(), t.blow.mass, t.hz, t.seconds(), FRICTION, DEEP, at.x, at.y, at.z, v[0], v[1], v[2]];
+        let numbers = numbers.into_iter().chain([q.x, q.y, q.z, q.w]).map(|x| x.to_string());
+        text += &format!("{shape} {}\n", numbers.collect::<Vec<_>>().join(" "));
+    }
+    std::fs::write(&list, text)?;
+    let status = std::process::Command::new(program).args([&baked, &list, &out]).status();
+    let status = status.with_context(|| format!("starting {}", program.display()))?;
+    ensure!(status.success(), "{} ends with {status}", program.display());
+    let bytes = std::fs::read(&out)?;
+    std::fs::remove_dir_all(&folder)?;
+    let one = 4 + 12 * set.vertex_count();
+    ensure!(bytes.len() == one * throws.iter().map(Vec::len).sum::<usize>(), "{} bytes were left", bytes.len());
+    let word = |b: &[u8]| [b[0], b[1], b[2], b[3]];
+    let left = |bytes: &[u8]| Left {
+        contact: Some(u32::from_ne_bytes(word(bytes))).filter(|v| *v != u32::MAX),
+        field: bytes[4..].chunks_exact(12).map(|v| [0, 4, 8].map(|k| f32::from_ne_bytes(word(&v[k..])))).collect(),
+    };
+    let mut all = bytes.chunks_exact(one).map(left);
+    Ok(throws.iter().map(|at_rate| all.by_ref().take(at_rate.len()).collect()).collect())
 }
 
 fn vector(v: [f32; 3]) -> Vector {
@@ -185,17 +289,26 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_engine_reports_about_the_blow() {
+    fn a_thrown_striker_leaves_what_its_blow_leaves() {
         let body = Body::read(Truth::Shots, "panel").unwrap();
+        let set = scene::set(&body, 8, Placement::Automatic, SetOptions::default()).unwrap();
+        let ours = InstanceOptions { depth_limit: Some(DEEP), ..Default::default() };
+        let mesh = mesh(&body).unwrap();
         for (index, impact) in body.train.iter().take(4).enumerate() {
             let blow = impact.blow.unwrap().in_engine();
-            let report = strike(&body, impact, &blow, 240.0, index).unwrap().expect("a touch");
-            let off = sub(report.point, impact.point);
-            assert!(dot64(off, off).sqrt() < 0.02, "{off:?}");
-            assert!(angle_deg(report.normal, blow.normal) < 5.0);
-            assert!(angle_deg(report.velocity, blow.velocity) < 0.1);
-            let along = |v: [f32; 3]| dot64(v.map(f64::from), blow.normal.map(f64::from));
-            assert!((along(report.impulse) / along(blow.impulse) - 1.0).abs() < 0.1);
+            let told = scene::field_after(&set, &ours, &[Hit::blow(impact.point, scene::blow(&blow))]).unwrap();
+            for hz in RATES {
+                for shape in [Shape::Ball, Shape::Box] {
+                    let throw = Throw { impact, blow, shape, hz, phase: 0.3 * index as f32 };
+                    let left = strike(&set, &ours, &mesh, &throw).unwrap();
+                    let (got, expected) = (deepest(&left.field), deepest(&told));
+                    assert!(left.contact.is_some());
+                    assert!(
+                        (got / expected - 1.0).abs() < 0.2,
+                        "{shape:?} at {hz} Hz: {got} m instead of {expected} m"
+                    );
+                }
+            }
         }
     }
 }

@@ -8,6 +8,8 @@ mod rapier;
 mod sheet;
 mod sweeps;
 
+use std::path::Path;
+
 use anyhow::Result;
 
 use crate::Options;
@@ -84,8 +86,8 @@ const DEFAULT_MATERIAL: Material = Material { edge_hz: 30.0, bend_hz: 10.0, plas
 const YIELD_OF_DEFAULT: f32 = 0.1;
 
 /// A real engine's contacts as all that Crumple is told.
-pub fn contacts(options: &Options) -> Result<()> {
-    contacts::run(options)
+pub fn contacts(options: &Options, bullet: Option<&Path>, check: bool) -> Result<()> {
+    contacts::run(options, bullet, check)
 }
 
 pub fn run(options: &Options) -> Result<()> {
