@@ -76,7 +76,7 @@ fn calibrated(truth: Truth) -> &'static [(Quality, Material)] {
         Truth::Shots => &SHOTS,
         Truth::Presses => &PRESSES,
         // No material is calibrated for them.
-        Truth::Structure | Truth::Steel => &[],
+        Truth::Structure | Truth::Steel | Truth::Dense => &[],
     }
 }
 

@@ -103,7 +103,7 @@ impl Sheet {
         let triangles = grid.triangles();
         // kg/m²: density times thickness (lab/data/README.md).
         let areal = match body.truth {
-            Truth::Shots | Truth::Structure => 7800.0 * 0.003,
+            Truth::Shots | Truth::Structure | Truth::Dense => 7800.0 * 0.003,
             Truth::Presses => 7850.0 * 0.002,
             Truth::Steel => 7850.0 * 0.0008,
         };
