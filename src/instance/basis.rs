@@ -31,7 +31,7 @@ const SHALLOW: f32 = 0.15;
 
 impl ExampleSet {
     /// Lets the vertices of the base mesh follow *nodes*, a few of them, whose displacements alone are then computed from marks
-    /// ([model](https://docs.rs/crumple), "Nodes"). A hit and a frame cost less, the more so the more examples and marks there
+    /// (docs/model.md, "Nodes"). A hit and a frame cost less, the more so the more examples and marks there
     /// are. Vertices are wrong by about the tolerance; the report says how much at worst. Marks, contacts and saved damage do not
     /// change. Levels of detail are computed from marks as before.
     ///

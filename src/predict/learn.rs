@@ -7,6 +7,7 @@ use super::kernel::Lengths;
 use super::kriging::Kriging;
 use super::linear::{add32, dot32};
 use super::lookup::{nearest, partners};
+use super::options::{LearnOptions, Learned};
 use super::own::OwnFields;
 use super::predictor::{Model, Part, Predictor, Typical, blow_point, displacement_point};
 use super::rank::{LowRank, gram};
@@ -31,33 +32,6 @@ const LEAST_GROUPS: usize = 4;
 const OUTPUTS: f64 = 20.0;
 /// Shares of the carried field that the anchored part starts from.
 const STARTS: [f64; 3] = [0.0, 0.5, 1.0];
-
-/// What to learn.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LearnOptions {
-    /// Whether examples may count mirrored in the symmetric planes of the body. They do if that predicts better.
-    pub mirror: bool,
-}
-
-impl Default for LearnOptions {
-    fn default() -> Self {
-        Self { mirror: true }
-    }
-}
-
-/// What a set learned.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Learned {
-    /// Relative L2 error of each sample's field when the others predict it from the blow (from the displacement if it
-    /// knows no blow), in the order of the samples.
-    pub errors: Vec<f32>,
-    /// Share of the anchored part for blows and for displacements, 0 to 1.
-    pub anchored: [f32; 2],
-    /// Exponent of the stretch, likewise.
-    pub stretch: [f32; 2],
-    /// Whether mirror images count, likewise.
-    pub mirrored: [bool; 2],
-}
 
 /// Expected logarithms of lengths and noise: the size, the carried and the anchored part.
 const SIZE: Lengths = Lengths { lengths: [-1.386, 0.0, 1.792, 1.792, 1.792, 1.099, 0.693], noise: -2.0 };
@@ -87,7 +61,23 @@ struct Image {
     point: Point,
 }
 
-pub(super) fn learn(
+impl Predictor {
+    /// Learns the rule of a body from its samples. The result does not depend on their order.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] if there is no sample, or the lengths of arrays differ; [`Error::NotFinite`] for
+    /// numbers that are not finite.
+    pub fn learn(
+        body: &Body<'_>,
+        samples: &[Sample<'_>],
+        options: &LearnOptions,
+        tasks: &dyn TaskSystem,
+    ) -> Result<Self, Error> {
+        learn(body, samples, options, tasks)
+    }
+}
+
+fn learn(
     body: &Body<'_>,
     samples: &[Sample<'_>],
     options: &LearnOptions,

@@ -1,15 +1,13 @@
 //! The learned rule as plain data, and what it says of a hit.
 
-use super::body::Body;
 use super::features::{Point, Points, STRENGTH_AXIS, Strike, point};
 use super::kernel::{GROUPS, exp, matern};
 use super::lookup::nearest;
+use super::options::Learned;
 use super::own::{self, OwnFields};
 use super::size::SizeLaw;
 use super::stamp::{Frames, STAMP, View, read};
-use super::{Blow, Hit, LearnOptions, Learned, Prediction, Sample, Told};
-use crate::base::error::Error;
-use crate::base::tasks::TaskSystem;
+use super::{Blow, Hit, Prediction, Told};
 use crate::mesh::mirror::Mirror;
 use glam::{Vec3, Vec4};
 
@@ -158,20 +156,6 @@ pub(super) fn displacement_point(u: Vec3, place: Vec3, normal: Vec3, diagonal: f
 }
 
 impl Predictor {
-    /// Learns the rule of a body from its samples. The result does not depend on their order.
-    ///
-    /// # Errors
-    /// [`Error::InvalidArgument`] if there is no sample, or the lengths of arrays differ; [`Error::NotFinite`] for
-    /// numbers that are not finite.
-    pub fn learn(
-        body: &Body<'_>,
-        samples: &[Sample<'_>],
-        options: &LearnOptions,
-        tasks: &dyn TaskSystem,
-    ) -> Result<Self, Error> {
-        super::learn::learn(body, samples, options, tasks)
-    }
-
     /// What was learned, and how well each sample is predicted by the others.
     pub fn learned(&self) -> &Learned {
         &self.learned
