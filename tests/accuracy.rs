@@ -142,3 +142,20 @@ fn no_worse_than_the_designs_table_and_than_it_was() {
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
+
+/// Vertices that follow nodes are as near to the solver's dents as those that are computed from marks.
+#[test]
+fn nodes_are_as_near_to_the_truth_as_marks() {
+    let deep = InstanceOptions { depth_limit: Some(1.0), ..InstanceOptions::default() };
+    for body in ["panel", "tube"] {
+        let held_out = HeldOut::read(body);
+        let set = solver_set(body, 24, Placement::Automatic);
+        let (_, following) = scenes::following((body, set.clone()));
+        let [marks, nodes] = [&set, &following].map(|set| errors(set, &deep, &held_out));
+        for q in [0.5, 0.9] {
+            let [marks, nodes] = [&marks, &nodes].map(|e| quantile(e, q));
+            println!("{body} {q}: {marks:.4} from marks, {nodes:.4} by nodes");
+            assert!(nodes < 1.05 * marks, "{body}, quantile {q}: {nodes} by nodes, {marks} from marks");
+        }
+    }
+}
