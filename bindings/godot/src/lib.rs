@@ -6,11 +6,9 @@ mod divide;
 mod node;
 mod physics;
 mod set;
-mod share;
 mod sight;
 mod surfaces;
 mod tasks;
-mod touches;
 mod world;
 
 use godot::classes::Engine;

@@ -4,13 +4,12 @@ use crate::set::CrumpleExampleSet;
 use crate::tasks;
 use crate::world;
 use crumple::glam::{Mat4, Vec4};
-use crumple::{Blow, Cause, ExampleSet, Hit, HitStatus, InstanceOptions, Outcome, Space, Striker};
+use crumple::{Blow, Cause, ExampleSet, Hit, HitStatus, Inbox, InstanceOptions, Outcome, Space, Striker};
 use godot::classes::{ArrayMesh, Engine, IMeshInstance3D, MeshInstance3D, PhysicsBody3D};
 use godot::global;
 use godot::prelude::*;
 use godot::register::info::{PropertyInfo, PropertyUsageFlags};
 use std::cell::{Ref, RefCell, RefMut};
-use std::num::NonZeroU64;
 use std::sync::Arc;
 
 /// A mesh that collisions dent.
@@ -38,11 +37,11 @@ pub struct CrumpleMeshInstance3D {
     /// not know its blows: then an impulse displaces the contact by `impulse * duration / vertex_mass`.
     #[export_group(name = "Material")]
     #[export(range = (0.0001, 0.1, 0.0001, or_greater, suffix = "s"))]
-    #[var(pub)]
+    #[var(set)]
     duration: f32,
     /// The mass of a vertex, kg. See [member duration].
     #[export(range = (0.001, 100.0, 0.001, or_greater, suffix = "kg"))]
-    #[var(pub)]
+    #[var(set)]
     vertex_mass: f32,
     /// Impulses below this leave no dent, N s.
     #[export(range = (0.0, 1000.0, 0.1, or_greater, suffix = "N s"))]
@@ -66,11 +65,6 @@ pub struct CrumpleMeshInstance3D {
     #[export]
     #[var(pub)]
     contact_body: Option<Gd<PhysicsBody3D>>,
-    /// How long a collision goes on after the first touch, s. What comes later holds the body up or pushes it, and leaves
-    /// nothing. A striker without a node of this type has 0.1 s.
-    #[export(range = (0.0, 1.0, 0.01, or_greater, suffix = "s"))]
-    #[var(pub)]
-    contact_time: f32,
     /// The mass of a [CharacterBody3D] above the node, which has none of its own, kg.
     #[export(range = (0.1, 1000.0, 0.1, or_greater, suffix = "kg"))]
     #[var(pub)]
@@ -104,7 +98,6 @@ impl IMeshInstance3D for CrumpleMeshInstance3D {
             error_tolerance: 0.0,
             contacts: true,
             contact_body: None,
-            contact_time: 0.1,
             character_mass: 80.0,
             damage: PhantomVar::default(),
             body: RefCell::default(),
@@ -186,7 +179,8 @@ impl CrumpleMeshInstance3D {
                 radius: size(striker_radius),
             },
         };
-        Self::outcome(Self::strike(&this, array(point), blow, None))
+        let cause = Cause::Impulse { blow, mass: None };
+        Self::outcome(Self::submit(&this, &Hit { point: array(point), cause, space: Space::World, contact: None }))
     }
 
     /// Displaces the contact at a point (m) by a displacement (m), both in global space, for games with their own rule of
@@ -319,6 +313,22 @@ impl CrumpleMeshInstance3D {
     }
 
     #[func]
+    fn set_duration(&mut self, duration: f32) {
+        let before = std::mem::replace(&mut self.duration, duration);
+        if !self.renew() {
+            self.duration = before;
+        }
+    }
+
+    #[func]
+    fn set_vertex_mass(&mut self, vertex_mass: f32) {
+        let before = std::mem::replace(&mut self.vertex_mass, vertex_mass);
+        if !self.renew() {
+            self.vertex_mass = before;
+        }
+    }
+
+    #[func]
     fn set_yield_impulse(&mut self, yield_impulse: f32) {
         let before = std::mem::replace(&mut self.yield_impulse, yield_impulse);
         if !self.renew() {
@@ -445,16 +455,21 @@ impl CrumpleMeshInstance3D {
             yield_impulse: self.yield_impulse,
             depth_limit: (self.depth_limit != 0.0).then_some(self.depth_limit),
             tolerance: self.error_tolerance,
+            compliance: Some(self.duration / self.vertex_mass),
             ..InstanceOptions::default()
         }
     }
 
-    /// Submits a blow in global space, maybe as part of a contact.
-    pub fn strike(this: &Gd<Self>, point: [f32; 3], blow: Blow, contact: Option<NonZeroU64>) -> Option<Outcome> {
-        let (duration, mass) = (this.bind().duration, this.bind().vertex_mass);
-        let blow = Blow { duration: Some(duration), ..blow };
-        let cause = Cause::Impulse { blow, mass: Some(mass) };
-        Self::submit(this, &Hit { point, cause, space: Space::World, contact })
+    /// The inbox that contacts of this step go to. `None` if it does not dent.
+    pub fn touched(this: &Gd<Self>) -> Option<Arc<Inbox>> {
+        let transform = matrix(this.get_global_transform());
+        let placed = {
+            let node = this.bind();
+            let body = node.body.borrow();
+            let body = body.as_ref()?;
+            body.instance.set_transform(transform).map(|()| body.instance.inbox().clone())
+        };
+        placed.inspect_err(|error| Self::warn(this, &error.to_string())).ok()
     }
 
     fn submit(this: &Gd<Self>, hit: &Hit) -> Option<Outcome> {
@@ -475,6 +490,12 @@ impl CrumpleMeshInstance3D {
                 return None;
             }
         };
+        Self::took(this, &outcome);
+        Some(outcome)
+    }
+
+    /// The body has got a hit.
+    pub fn took(this: &Gd<Self>, outcome: &Outcome) {
         if matches!(outcome.status, HitStatus::Marked | HitStatus::Accumulated) {
             world::mark(this);
             if outcome.status == HitStatus::Marked {
@@ -483,11 +504,10 @@ impl CrumpleMeshInstance3D {
                 this.signals().dented().emit(point, displacement);
             }
         }
-        Some(outcome)
     }
 
     /// A hit that cannot be taken may come again in the next step, so it is said once.
-    fn warn(this: &Gd<Self>, message: &str) {
+    pub fn warn(this: &Gd<Self>, message: &str) {
         let mut this = this.clone();
         if !std::mem::replace(&mut this.bind_mut().warned, true) {
             godot_error!("CrumpleMeshInstance3D '{}': a hit was not taken: {message}", this.get_name());
@@ -518,14 +538,6 @@ impl CrumpleMeshInstance3D {
         result.is_ok()
     }
 
-    /// Ends a contact.
-    pub fn end_contact(this: &Gd<Self>, contact: NonZeroU64) {
-        if let Some(body) = this.bind().body.borrow().as_ref() {
-            // The only error is a lack of memory; then the contact ends with the next repair.
-            let _ = body.instance.end_contact(contact);
-        }
-    }
-
     /// How far a point in global space is from the mesh, m. `None` if it does not dent.
     pub fn distance(this: &Gd<Self>, point: Vector3) -> Option<f32> {
         let transform = this.get_global_transform();
@@ -538,9 +550,9 @@ impl CrumpleMeshInstance3D {
         Some((transform * Vector3::new(nearest.x, nearest.y, nearest.z)).distance_to(point))
     }
 
-    /// The seconds that a collision goes on, and the mass as a character, kg.
-    pub fn contact_settings(&self) -> (f32, f32) {
-        (self.contact_time, self.character_mass)
+    /// The mass as a character, kg.
+    pub fn character_mass(&self) -> f32 {
+        self.character_mass
     }
 
     /// Brings the meshes of nodes up to date, together.

@@ -1,12 +1,13 @@
-//! From the physics server to hits. After each step, before the game's `_physics_process`, the changes of momentum of
-//! the watched bodies become impulses at the points that they touched. After the game's `_physics_process`, the
-//! velocities are noted for the next step, so that velocities set by the game are no hits.
+//! From the physics server to the contact layer. After each step, before the game's `_physics_process`, the points that the
+//! watched bodies touch are reported. After the game's `_physics_process`, the velocities are noted for the next step, so that
+//! velocities set by the game are no hits.
+//!
+//! Neither of Godot's physics engines reports usable impulses of single points: Jolt reports the whole impulse at every
+//! point, and Godot Physics reports 0 in the step of the impact. So the impulse of a pair is its change of momentum.
 
 use crate::node::{CrumpleMeshInstance3D, array};
-use crate::share::{self, Point};
 use crate::sight::Sight;
-use crate::touches::{Seen, Touches};
-use crumple::{Blow, Striker};
+use crumple::{ContactLayer, ContactOptions, ContactPoint, Inbox, Outcome};
 use godot::builtin::Rid;
 use godot::classes::physics_server_3d::BodyMode;
 use godot::classes::{
@@ -15,10 +16,8 @@ use godot::classes::{
 use godot::prelude::*;
 use std::cell::RefCell;
 use std::collections::{HashMap, HashSet};
-use std::num::NonZeroU64;
+use std::sync::Arc;
 
-/// Points that touch nearer to each other than this share of the mesh's diagonal make one dent.
-const NEAR: f32 = 0.15;
 /// Points of contact that watched bodies report.
 const POINTS: i32 = 16;
 /// A body that does not move sees others within this distance of its mesh, m. A striker must be seen two steps before it
@@ -35,8 +34,6 @@ const WATCHED: f64 = 0.5;
 struct Owner {
     body: InstanceId,
     nodes: Vec<InstanceId>,
-    /// The longest diagonal of its meshes, m.
-    size: f32,
     /// Whether no step has looked at it yet.
     new: bool,
     character: bool,
@@ -48,9 +45,8 @@ struct Owner {
 struct Mover {
     /// The body's node.
     body: InstanceId,
-    /// Velocities before the step. `None`: not known yet.
-    before: Option<(Vector3, Vector3)>,
-    touches: Touches,
+    /// How it moved before the step. `None`: not known yet.
+    before: Option<Motion>,
     /// Until when it is watched, s. Bodies with nodes of their own are watched always.
     until: f64,
     /// The bodies that see it, each with the part that it sees.
@@ -59,39 +55,92 @@ struct Mover {
     reported: i32,
 }
 
+/// How a body moves.
+#[derive(Clone, Copy)]
+struct Motion {
+    linear: Vector3,
+    angular: Vector3,
+    centre: Vector3,
+}
+
+impl Motion {
+    fn of(state: &Gd<PhysicsDirectBodyState3D>) -> Self {
+        let centre = state.get_transform().origin + state.get_center_of_mass();
+        Self { linear: state.get_linear_velocity(), angular: state.get_angular_velocity(), centre }
+    }
+
+    fn at(&self, point: Vector3) -> Vector3 {
+        self.linear + self.angular.cross(point - self.centre)
+    }
+}
+
+/// A point that a body touches.
+struct Touch {
+    other: Rid,
+    /// Whether the other's velocity before the step is known.
+    known: bool,
+    /// Out of the other body.
+    out: Vector3,
+    place: Vector3,
+    /// Of the other relative to the body before the step, m/s.
+    velocity: Vector3,
+    /// kg. `None` if nothing moves it.
+    other_mass: Option<f32>,
+}
+
+impl Touch {
+    fn comes(&self) -> bool {
+        self.velocity.dot(self.out) > 0.0
+    }
+}
+
 #[derive(Default)]
 struct Physics {
     tree: Option<InstanceId>,
     owners: HashMap<Rid, Owner>,
     movers: HashMap<Rid, Mover>,
-    /// Touches of characters.
-    characters: HashMap<Rid, Touches>,
+    /// The velocities of characters before the step.
+    characters: HashMap<Rid, Vector3>,
     /// Time of the physics, s.
     now: f64,
     steps: u64,
-    /// The nodes that know an open contact.
-    contacts: HashMap<NonZeroU64, Vec<InstanceId>>,
-    last_contact: u64,
+    /// Whether it was said that a contact was not taken.
+    warned: bool,
 }
 
 thread_local! {
     static PHYSICS: RefCell<Physics> = RefCell::default();
-}
-
-/// One hit for one of the nodes of a body.
-struct Delivery {
-    nodes: Vec<InstanceId>,
-    point: Vector3,
-    blow: Blow,
-    contact: NonZeroU64,
+    static LAYER: ContactLayer = ContactLayer::new(ContactOptions::default()).expect("the defaults are right");
 }
 
 /// What one step leaves.
 #[derive(Default)]
 struct Report {
-    hits: Vec<Delivery>,
-    /// Contacts that end.
-    ended: Vec<NonZeroU64>,
+    points: Vec<ContactPoint>,
+    /// The nodes of the points' bodies.
+    nodes: Vec<(Arc<Inbox>, Gd<CrumpleMeshInstance3D>)>,
+    /// How long the step was, s.
+    seconds: f32,
+}
+
+impl Report {
+    /// The inbox of the node of a body that is nearest to a place.
+    fn dented(&mut self, nodes: &[InstanceId], place: Vector3) -> Option<Arc<Inbox>> {
+        let node = nearest(nodes, place)?;
+        let inbox = CrumpleMeshInstance3D::touched(&node)?;
+        if !self.nodes.iter().any(|(known, _)| Arc::ptr_eq(known, &inbox)) {
+            self.nodes.push((inbox.clone(), node));
+        }
+        Some(inbox)
+    }
+
+    /// What is wrong may be so in each step, so it is said once. The layer does not tell whose hit it was.
+    fn warn(&self, error: &crumple::Error) {
+        if !PHYSICS.with_borrow_mut(|physics| std::mem::replace(&mut physics.warned, true)) {
+            let names: Vec<String> = self.nodes.iter().map(|(_, node)| node.get_name().to_string()).collect();
+            godot_error!("CrumpleMeshInstance3D: a contact of one of {} was not taken: {error}", names.join(", "));
+        }
+    }
 }
 
 /// Lets collisions of a body dent a node.
@@ -99,10 +148,8 @@ pub fn watch(node: &Gd<CrumpleMeshInstance3D>, body: &Gd<PhysicsBody3D>) {
     let Some(mut tree) = node.get_tree_or_null() else { return };
     let new = PHYSICS.with_borrow_mut(|physics| {
         let character = body.clone().try_cast::<CharacterBody3D>().is_ok();
-        let new = Owner { body: body.instance_id(), nodes: Vec::new(), size: 0.0, new: true, character, sight: None };
-        let owner = physics.owners.entry(body.get_rid()).or_insert(new);
-        owner.nodes.push(node.instance_id());
-        owner.size = owner.size.max((node.get_global_transform() * node.get_aabb()).size.length());
+        let new = Owner { body: body.instance_id(), nodes: Vec::new(), new: true, character, sight: None };
+        physics.owners.entry(body.get_rid()).or_insert(new).nodes.push(node.instance_id());
         physics.tree.replace(tree.instance_id()) != Some(tree.instance_id())
     });
     if new {
@@ -146,37 +193,33 @@ fn stepped() {
     if tree.is_none_or(|tree| tree.is_paused()) {
         return;
     }
-    let report = PHYSICS.with_borrow_mut(Physics::step);
-    let Some(report) = report else { return };
-    for hit in report.hits {
-        if let Some(node) = struck(&hit) {
-            let known = |physics: &mut Physics| {
-                let nodes = physics.contacts.entry(hit.contact).or_default();
-                if !nodes.contains(&node.instance_id()) {
-                    nodes.push(node.instance_id());
-                }
-            };
-            PHYSICS.with_borrow_mut(known);
-            CrumpleMeshInstance3D::strike(&node, array(hit.point), hit.blow, Some(hit.contact));
-        }
+    let Some(report) = PHYSICS.with_borrow_mut(Physics::step) else { return };
+    let mut hits: Vec<(Arc<Inbox>, Outcome)> = Vec::new();
+    let told = LAYER.with(|layer| {
+        layer.report(&report.points)?;
+        let told = layer.step_each(report.seconds, |inbox, outcome| hits.push((inbox.clone(), *outcome)))?;
+        told.refusal.map_or(Ok(()), Err)
+    });
+    if let Err(error) = told {
+        report.warn(&error);
     }
-    for contact in report.ended {
-        let nodes = PHYSICS.with_borrow_mut(|physics| physics.contacts.remove(&contact)).unwrap_or_default();
-        let nodes = nodes.iter().filter_map(|id| Gd::<CrumpleMeshInstance3D>::try_from_instance_id(*id).ok());
-        nodes.for_each(|node| CrumpleMeshInstance3D::end_contact(&node, contact));
+    for (inbox, outcome) in hits {
+        if let Some((_, node)) = report.nodes.iter().find(|(own, _)| Arc::ptr_eq(own, &inbox)) {
+            CrumpleMeshInstance3D::took(node, &outcome);
+        }
     }
     // Runs after every `_physics_process` of this step.
     Callable::from_fn("crumple_note", |_| PHYSICS.with_borrow_mut(Physics::note)).call_deferred(&[]);
 }
 
 /// The node that was hit: of a body with several meshes, the nearest.
-fn struck(hit: &Delivery) -> Option<Gd<CrumpleMeshInstance3D>> {
-    let mut nodes: Vec<_> = hit.nodes.iter().filter_map(|id| Gd::try_from_instance_id(*id).ok()).collect();
+fn nearest(nodes: &[InstanceId], place: Vector3) -> Option<Gd<CrumpleMeshInstance3D>> {
+    let mut nodes: Vec<_> = nodes.iter().filter_map(|id| Gd::try_from_instance_id(*id).ok()).collect();
     if nodes.len() < 2 {
         return nodes.pop();
     }
     let distance =
-        |node: &Gd<CrumpleMeshInstance3D>| CrumpleMeshInstance3D::distance(node, hit.point).unwrap_or(f32::INFINITY);
+        |node: &Gd<CrumpleMeshInstance3D>| CrumpleMeshInstance3D::distance(node, place).unwrap_or(f32::INFINITY);
     nodes.into_iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 
@@ -192,7 +235,7 @@ impl Physics {
         }
         let step = 1.0 / godot::classes::Engine::singleton().get_physics_ticks_per_second().max(1) as f64;
         self.now += step;
-        let mut report = Report::default();
+        let mut report = Report { seconds: step as f32, ..Report::default() };
         self.steps += 1;
         let turn = self.steps % PAUSE;
         let due = self.owners.iter_mut().filter_map(|(rid, owner)| {
@@ -202,7 +245,7 @@ impl Physics {
         for (rid, body, character) in due.collect::<Vec<_>>() {
             if character {
                 if let Ok(character) = Gd::<CharacterBody3D>::try_from_instance_id(body) {
-                    self.character(rid, &character, step as f32, &mut report);
+                    self.character(rid, &character, &mut report);
                 }
             } else if Gd::<PhysicsBody3D>::try_from_instance_id(body).is_err() {
                 // It is gone; the next cleaning finds that.
@@ -227,7 +270,7 @@ impl Physics {
             if reported < POINTS {
                 server.body_set_max_contacts_reported(rid, POINTS);
             }
-            Mover { body, before: None, touches: Touches::default(), until, near: HashSet::new(), reported }
+            Mover { body, before: None, until, near: HashSet::new(), reported }
         });
     }
 
@@ -237,7 +280,7 @@ impl Physics {
             unfollow(rid, &mover);
         }
         self.characters.clear();
-        self.contacts.clear();
+        LAYER.with(ContactLayer::clear);
     }
 
     /// Keeps the area around a body that does not move where the body is.
@@ -264,161 +307,85 @@ impl Physics {
         }
     }
 
-    /// The hits of a rigid body's last step.
+    /// The contacts of a rigid body in the last step.
     fn mover(&mut self, rid: Rid, server: &mut Gd<PhysicsServer3D>, report: &mut Report) {
-        let Some(mover) = self.movers.get_mut(&rid) else { return };
-        let owned = self.owners.contains_key(&rid);
-        let Some(state) =
-            state_of(rid, mover.body, server).filter(|_| owned || !mover.near.is_empty() || mover.until > self.now)
-        else {
-            if let Some(mut mover) = self.movers.remove(&rid) {
-                mover.touches.pass(f64::INFINITY, 0.0, |id| report.ended.push(id));
-                unfollow(rid, &mover);
+        let Some(mover) = self.movers.get(&rid) else { return };
+        let watched = self.owners.contains_key(&rid) || !mover.near.is_empty() || mover.until > self.now;
+        match (state_of(rid, mover.body, server).filter(|_| watched), mover.before) {
+            (Some(state), Some(before)) if !state.is_sleeping() => self.contacts(rid, &state, before, report),
+            (Some(_), _) => (),
+            (None, _) => {
+                if let Some(mover) = self.movers.remove(&rid) {
+                    unfollow(rid, &mover);
+                }
             }
-            return;
-        };
-        if state.is_sleeping() || mover.touches.is_empty() && state.get_contact_count() == 0 {
-            return;
         }
-        let nodes = self.nodes_of(rid);
-        if let Some(before) = mover_before(&self.movers, rid) {
-            self.contacts(rid, &state, before, &nodes, report);
-        }
-        let now = self.now;
-        let time = nodes.iter().find_map(|id| settings(*id)).map_or(0.1, |s| s.0);
-        let Some(mover) = self.movers.get_mut(&rid) else { return };
-        mover.touches.pass(now, f64::from(time), |id| report.ended.push(id));
     }
 
-    fn contacts(
-        &mut self,
-        rid: Rid,
-        state: &Gd<PhysicsDirectBodyState3D>,
-        (velocity, spin): (Vector3, Vector3),
-        nodes: &[InstanceId],
-        report: &mut Report,
-    ) {
-        let count = state.get_contact_count();
-        let inverse = state.get_inverse_mass();
+    fn contacts(&self, rid: Rid, state: &Gd<PhysicsDirectBodyState3D>, before: Motion, report: &mut Report) {
+        let (count, inverse) = (state.get_contact_count(), state.get_inverse_mass());
         if count == 0 || inverse <= 0.0 {
             return;
         }
-        let (mass, dt) = (1.0 / inverse, state.get_step());
-        let gravity = state.get_total_gravity();
-        // What the velocities would be without contacts.
-        let damp = |rate: f32| (1.0 - rate * dt).max(0.0);
-        let free =
-            (velocity + (gravity + state.get_constant_force() * inverse) * dt) * damp(state.get_total_linear_damp());
-        let linear = (state.get_linear_velocity() - free) * mass;
-        // The share of it that changed the velocity. The rest only held the body up against gravity and other forces.
-        let changed = (state.get_linear_velocity() - velocity) * mass;
-        let length = linear.length_squared();
-        let share = if length > 0.0 { (changed.dot(linear) / length).clamp(0.0, 1.0) } else { 0.0 };
-        let turned = state.get_angular_velocity() - spin * damp(state.get_total_angular_damp());
-        let tensor = state.get_inverse_inertia_tensor();
-        let turns = tensor.determinant().abs() > 1e-20;
-        let angular = turns.then(|| tensor.inverse() * turned);
-        let inertia = state.get_inverse_inertia();
-        let gyration = if turns {
-            let mean = (1.0 / inertia.x + 1.0 / inertia.y + 1.0 / inertia.z) / 3.0;
-            (mean * inverse).max(0.0).sqrt()
-        } else {
-            0.0
-        };
-
-        let transform = state.get_transform();
-        let centre = state.get_transform().origin + state.get_center_of_mass();
-        let points: Vec<Point> = (0..count)
-            .map(|i| Point {
-                normal: state.get_contact_local_normal(i),
-                arm: state.get_contact_local_position(i) - centre,
-            })
-            .collect();
-        let into = transform.affine_inverse();
-        let now = self.now;
-        let spots: Vec<(Rid, Vector3, f32)> = (0..count)
-            .map(|i| {
-                let other = state.get_contact_collider(i);
-                (other, into * state.get_contact_local_position(i), self.near(rid, other))
-            })
-            .collect();
-        let Some(mover) = self.movers.get_mut(&rid) else { return };
-        // Most bodies that touch something rest.
-        let resting =
-            spots.iter().filter(|(other, local, near)| mover.touches.rests(*other, *local, *near, now)).count();
-        if resting == spots.len() {
-            return;
-        }
-        let impulses = share::impulses(&points, linear, angular, gyration);
-        for (i, ((point, impulse), (other, local, near))) in points.iter().zip(impulses).zip(spots).enumerate() {
-            let i = i as i32;
-            let place = state.get_contact_local_position(i);
-            let other_mass = mass_of(other, state.get_contact_collider_object(i));
-            // The other's velocity before the step: what it is now, less what this contact did.
-            let gained = other_mass.map_or(Vector3::ZERO, |m| impulse / -m);
-            let others = state.get_contact_collider_velocity_at_position(i) - gained;
-            let relative = velocity + spin.cross(point.arm) - others;
-            let seen = Seen { other, local, near, closing: -relative.dot(point.normal) };
-            let rest = gravity.length() * dt;
-            let Some(mover) = self.movers.get_mut(&rid) else { return };
-            let touch = mover.touches.see(seen, now, rest, &mut self.last_contact);
-            let Some((contact, struck)) = touch else { continue };
-            let impulse = if struck { impulse * share } else { impulse };
-            if impulse.dot(point.normal) <= 1e-6 * mass {
+        let mass = 1.0 / inverse;
+        let changed = (state.get_linear_velocity() - before.linear) * mass;
+        let touches: Vec<Touch> = (0..count).map(|i| self.touch(state, before, changed, i)).collect();
+        for touch in &touches {
+            // Of two watched bodies, one reports the pair.
+            if touch.known && touch.other < rid {
                 continue;
             }
-            mover.touches.strike(contact);
-            // A blow's strength is that of a striker that hits a body which is held: the reduced mass.
-            let reduced = other_mass.map_or(mass, |m| mass * m / (mass + m));
-            let blow = |impulse: Vector3, normal: Vector3, velocity: Vector3| Blow {
-                impulse: Some(array(impulse)),
-                duration: None,
-                normal: Some(array(normal)),
-                striker: Striker { mass: Some(reduced), velocity: Some(array(velocity)), radius: None },
-            };
-            let deliver = |nodes: Vec<InstanceId>, blow: Blow| Delivery { nodes, point: place, blow, contact };
-            if !nodes.is_empty() {
-                report.hits.push(deliver(nodes.to_vec(), blow(impulse, -point.normal, -relative)));
+            let Touch { other, out, place, velocity, other_mass, .. } = *touch;
+            let struck = if self.characters.contains_key(&other) { Vec::new() } else { self.nodes_of(other) };
+            let bodies = [report.dented(&self.nodes_of(rid), place), report.dented(&struck, place)];
+            if bodies.iter().all(Option::is_none) {
+                continue;
             }
-            // A struck body that moves reports its own contacts, also a character.
-            if other_mass.is_none() && self.owners.contains_key(&other) && !self.characters.contains_key(&other) {
-                let struck = self.nodes_of(other);
-                report.hits.push(deliver(struck, blow(-impulse, point.normal, relative)));
-            }
+            // The change of momentum belongs to all points that push the same way.
+            let pushing = touches.iter().filter(|t| t.comes() && t.out.dot(out) > 0.5).count() as f32;
+            let impulse = if touch.comes() { changed.dot(out).max(0.0) / pushing } else { 0.0 };
+            let mut point = ContactPoint::new(pair(rid, other), bodies, array(place), array(-out));
+            point.impulse = Some(impulse);
+            point.velocity = Some(array(velocity));
+            point.masses = [Some(mass), Some(other_mass.unwrap_or(f32::INFINITY))];
+            report.points.push(point);
         }
     }
 
-    /// A character has no mass and no momentum. Its hits are the stops of its last `move_and_slide`.
-    fn character(&mut self, rid: Rid, body: &Gd<CharacterBody3D>, step: f32, report: &mut Report) {
+    /// A point that a body touches, whose momentum has changed.
+    fn touch(&self, state: &Gd<PhysicsDirectBodyState3D>, before: Motion, changed: Vector3, i: i32) -> Touch {
+        let (other, out) = (state.get_contact_collider(i), state.get_contact_local_normal(i));
+        let place = state.get_contact_local_position(i);
+        let other_mass = mass_of(other, state.get_contact_collider_object(i));
+        // A body that was frozen since reports nothing.
+        let known = other_mass.and_then(|_| self.movers.get(&other)?.before);
+        let others = known.map_or_else(
+            || {
+                // What it is now, less what this body did.
+                let gained = other_mass.map_or(0.0, |mass| changed.dot(out).max(0.0) / mass);
+                state.get_contact_collider_velocity_at_position(i) + out * gained
+            },
+            |motion| motion.at(place),
+        );
+        Touch { other, known: known.is_some(), out, place, velocity: others - before.at(place), other_mass }
+    }
+
+    /// A character has no momentum. Its contacts are the stops of its last `move_and_slide`.
+    fn character(&mut self, rid: Rid, body: &Gd<CharacterBody3D>, report: &mut Report) {
+        let now = body.get_real_velocity();
+        let Some(before) = self.characters.insert(rid, now) else { return };
         let nodes = self.nodes_of(rid);
-        let Some((_, mass)) = nodes.iter().find_map(|id| settings(*id)) else { return };
-        let into = body.get_global_transform().affine_inverse();
-        let near = self.near(rid, rid);
-        let touches = self.characters.entry(rid).or_default();
+        let Some(mass) = nodes.iter().find_map(|id| character_mass(*id)) else { return };
         for i in 0..body.get_slide_collision_count() {
             let Some(slide) = body.clone().get_slide_collision(i) else { continue };
-            let motion = slide.get_travel() + slide.get_remainder();
-            let (normal, place) = (slide.get_normal(), slide.get_position());
-            let relative = motion / step - slide.get_collider_velocity();
-            let closing = -relative.dot(normal);
-            let seen = Seen { other: slide.get_collider_rid(), local: into * place, near, closing };
-            let contact = touches.see(seen, self.now, 9.8 * step, &mut self.last_contact);
-            let (Some((contact, _)), true) = (contact, closing > 0.0) else { continue };
-            let blow = Blow {
-                impulse: Some(array(normal * (mass * closing))),
-                duration: None,
-                normal: Some(array(-normal)),
-                striker: Striker { mass: Some(mass), velocity: Some(array(-relative)), radius: None },
-            };
-            report.hits.push(Delivery { nodes: nodes.clone(), point: place, blow, contact });
+            let (out, place, other) = (slide.get_normal(), slide.get_position(), slide.get_collider_rid());
+            let inbox = report.dented(&nodes, place);
+            // What the other body gets, it reports itself.
+            let mut point = ContactPoint::new(!pair(rid, other), [inbox, None], array(place), array(-out));
+            point.velocity = Some(array(slide.get_collider_velocity() - before));
+            point.masses = [Some(mass), Some(f32::INFINITY)];
+            report.points.push(point);
         }
-        // The next step repeats the same push.
-        touches.pass(self.now, -1.0, |id| report.ended.push(id));
-    }
-
-    /// How near points of a body and another are that make one dent, m.
-    fn near(&self, body: Rid, other: Rid) -> f32 {
-        NEAR * self.owners.get(&body).or_else(|| self.owners.get(&other)).map_or(1.0, |owner| owner.size)
     }
 
     fn nodes_of(&self, rid: Rid) -> Vec<InstanceId> {
@@ -429,8 +396,7 @@ impl Physics {
     fn note(&mut self) {
         let mut server = PhysicsServer3D::singleton();
         for (rid, mover) in &mut self.movers {
-            let state = state_of(*rid, mover.body, &mut server);
-            mover.before = state.map(|state| (state.get_linear_velocity(), state.get_angular_velocity()));
+            mover.before = state_of(*rid, mover.body, &mut server).map(|state| Motion::of(&state));
         }
     }
 }
@@ -452,8 +418,10 @@ fn mass_of(rid: Rid, body: Option<Gd<Object>>) -> Option<f32> {
     (inverse > 0.0).then_some(1.0 / inverse)
 }
 
-fn mover_before(movers: &HashMap<Rid, Mover>, rid: Rid) -> Option<(Vector3, Vector3)> {
-    movers.get(&rid)?.before
+/// A number for two bodies, whichever is first. The lower half of a body's id is its place in the server's list.
+fn pair(a: Rid, b: Rid) -> u64 {
+    let [a, b] = [a, b].map(|rid| rid.to_u64() & u64::from(u32::MAX));
+    a.min(b) << 32 | a.max(b)
 }
 
 fn unfollow(rid: Rid, mover: &Mover) {
@@ -463,8 +431,8 @@ fn unfollow(rid: Rid, mover: &Mover) {
     }
 }
 
-fn settings(node: InstanceId) -> Option<(f32, f32)> {
+fn character_mass(node: InstanceId) -> Option<f32> {
     let node = Gd::<CrumpleMeshInstance3D>::try_from_instance_id(node).ok()?;
-    let settings = node.bind().contact_settings();
-    Some(settings)
+    let mass = node.bind().character_mass();
+    Some(mass)
 }
