@@ -17,6 +17,9 @@ const WHOLE: &[&str] =
 const IN_PART: &[&str] =
     &["--test=bad_input", "--test=contacts", "--test=oracle_rules", "--test=paper_equations", "--test=promises"];
 
+/// Tests of learning, which take a quarter of an hour there. Nothing that they call is unsafe.
+const LEARNING: &[&str] = &["--skip", "predict::tests::"];
+
 /// C programs that do not run under valgrind. A driver takes a minute there to compile the kernels, and the programs that remain make
 /// every call to it.
 const SLOW_DRIVERS: &str = "^vulkan_(device_lost|faults|memory|record|render|times)";
@@ -48,7 +51,7 @@ pub fn rust(workspace: &Workspace) -> Result<Outcome> {
     };
     workspace.tests(WHOLE).args(IN_PART).arg("--no-run").run()?;
     // Valgrind runs the threads of a program on one core.
-    let mut both = [tests(WHOLE, &[]), tests(IN_PART, &["quick_"])];
+    let mut both = [tests(WHOLE, LEARNING), tests(IN_PART, &["quick_"])];
     let started: Vec<Child> = both.iter_mut().map(Command::spawn).collect::<Result<_, _>>()?;
     let ended = started.into_iter().map(|mut child| child.wait()).collect::<Result<Vec<ExitStatus>, _>>()?;
     run.judge(match ended.iter().find(|status| !status.success()) {
