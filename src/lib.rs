@@ -45,8 +45,7 @@ pub mod graph;
 mod instance;
 mod io;
 mod mesh;
-#[doc(hidden)]
-pub mod predict;
+mod predict;
 mod select;
 #[cfg(feature = "vulkan")]
 pub mod vulkan;

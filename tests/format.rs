@@ -80,6 +80,7 @@ fn sets() -> Vec<(String, Arc<ExampleSet>)> {
     let mut all: Vec<(String, Arc<ExampleSet>)> =
         small_sets().into_iter().chain(scenes::small_bodies()).map(|(n, s)| (n.to_owned(), s)).collect();
     all.push(("following".into(), scenes::following(("cube", scenes::cube_set())).1));
+    all.push(("learned".into(), scenes::learned(("ball", scenes::ball_set())).1));
     for body in ["panel", "tube"] {
         let (mesh, mut examples) = scenes::solver(body);
         examples.truncate(9);
@@ -339,7 +340,7 @@ proptest! {
     #![proptest_config(cases(400))]
 
     #[test]
-    fn damage_without_a_new_checksum_is_always_found(which in 0..6usize, seed in any::<u64>()) {
+    fn damage_without_a_new_checksum_is_always_found(which in 0..7usize, seed in any::<u64>()) {
         let mut file = saved()[which].clone();
         damage(&mut file, &mut Dice::new(seed));
         // Between sections are zeros, which the checksum also covers.
@@ -347,7 +348,7 @@ proptest! {
     }
 
     #[test]
-    fn damage_with_a_new_checksum_is_an_error_or_a_usable_set(which in 0..6usize, seed in any::<u64>()) {
+    fn damage_with_a_new_checksum_is_an_error_or_a_usable_set(which in 0..7usize, seed in any::<u64>()) {
         let mut file = saved()[which].clone();
         damage_sections(&mut file, &mut Dice::new(seed));
         repair(&mut file);

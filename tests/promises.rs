@@ -14,19 +14,21 @@ use crumple::{
 use proptest::prelude::*;
 use scenes::{Body, Dice, Eager, Output, POISON, fnv, new, push, random_hit, random_hits};
 
-/// All bodies, built once, and last two whose vertices follow nodes.
+/// All bodies, built once, and last two whose vertices follow nodes and two that have learned.
 fn bodies() -> &'static [Body] {
     static BODIES: std::sync::OnceLock<Vec<Body>> = std::sync::OnceLock::new();
     BODIES.get_or_init(|| {
         let mut all = scenes::bodies();
         all.push(scenes::following(("cube that follows nodes", scenes::cube_set())));
         all.push(scenes::following(("panel that follows nodes", scenes::solver_set("panel", 8, Placement::Automatic))));
+        all.push(scenes::learned(("ball that has learned", scenes::ball_set())));
+        all.push(scenes::learned(("panel that has learned", scenes::solver_set("panel", 8, Placement::Automatic))));
         all
     })
 }
 
 fn any_body() -> impl Strategy<Value = &'static Body> {
-    (0..6usize).prop_map(|i| &bodies()[i])
+    (0..8usize).prop_map(|i| &bodies()[i])
 }
 
 /// 1 to 10 000, small numbers as likely as large ones.

@@ -102,7 +102,7 @@ fn left_out(set: &ExampleSet, q: usize) -> Errors {
     let others = || all.iter().enumerate().filter(|(_, c)| c.example as usize != q && !copies[c.example as usize]);
     let predict = |width: f32, anchored: bool| {
         let normal = set.mesh().contact_normal(contact);
-        let hit = HitQuery::new(set, &HitTarget { contact, normal, direction, size, strike: None }, width);
+        let hit = HitQuery::new(set, &HitTarget { contact, normal, direction, size, strike: None, told: None }, width);
         let usable = |i: usize| anchored || examples[i].placement() != Placement::Anchored;
         let mut found = Shortlist::new();
         for (i, c) in others().filter(|(_, c)| usable(c.example as usize)) {

@@ -69,7 +69,8 @@ impl ExampleSet {
         let rim = self.rim().on(self.mesh(), &mesh, tasks);
         let shown = MeshLod::new(mesh, rim, anchored);
         let report = LodReport { vertices: shown.vertex_count(), bytes: shown.bytes(), farthest };
-        self.push_lod(shown, report);
+        let rows = self.rows_on(&shown, tasks);
+        self.push_lod(shown, report, rows);
         Ok(lod)
     }
 }

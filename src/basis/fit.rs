@@ -25,10 +25,12 @@ const LENGTH: f32 = 2.0;
 /// What tiles are fitted to.
 pub(crate) struct Fitting<'a> {
     pub mesh: &'a Mesh,
-    /// Displacements of all vertices, m, field by field.
+    /// Displacements of all vertices, m, field by field, and of all nodes.
     pub fields: &'a [&'a [Vec3]],
-    pub nodes: &'a [u32],
-    /// The tree of the nodes' positions, by their index.
+    pub at_nodes: &'a [Vec<Vec3>],
+    /// The nodes' positions, m.
+    pub nodes: &'a [Vec3],
+    /// Their tree, by their index.
     pub index: &'a VertexIndex,
     /// `None`: only positions are fitted.
     pub slopes: Option<&'a Slopes>,
@@ -47,9 +49,39 @@ pub(crate) struct FittedTile {
     pub slopes: Vec<[[f32; 2]; TILE]>,
 }
 
+impl FittedTile {
+    /// Gives a vertex these weights instead of its own.
+    pub(crate) fn set_weights(&mut self, lane: usize, weights: impl Iterator<Item = (u32, i32)>) {
+        self.weights.iter_mut().for_each(|w| w[lane] = 0);
+        for (node, weight) in weights {
+            let at = self.nodes.binary_search(&node).unwrap_or_else(|at| {
+                self.nodes.insert(at, node);
+                self.weights.insert(at, [0; TILE]);
+                if !self.slopes.is_empty() {
+                    self.slopes.insert(at, [[0.0; 2]; TILE]);
+                }
+                at
+            });
+            self.weights[at][lane] = weight;
+        }
+    }
+
+    /// Leaves out nodes that nothing follows.
+    pub(crate) fn forget_unused(&mut self) {
+        let turns = |slopes: &[[f32; 2]; TILE]| slopes.iter().flatten().any(|s| *s != 0.0);
+        let used: Vec<bool> = (0..self.nodes.len())
+            .map(|n| self.weights[n] != [0; TILE] || self.slopes.get(n).is_some_and(turns))
+            .collect();
+        let (mut a, mut b, mut c) = (used.iter(), used.iter(), used.iter());
+        self.nodes.retain(|_| *a.next().unwrap_or(&true));
+        self.weights.retain(|_| *b.next().unwrap_or(&true));
+        self.slopes.retain(|_| *c.next().unwrap_or(&true));
+    }
+}
+
 impl Fitting<'_> {
     fn position(&self, node: u32) -> Vec3 {
-        self.mesh.positions()[self.nodes[node as usize] as usize]
+        self.nodes[node as usize]
     }
 
     /// The nodes of a tile: those nearest to each of its vertices.
@@ -159,10 +191,10 @@ impl Fitting<'_> {
         let (mut gram, mut right) = (vec![0.0f64; m * m], vec![0.0f64; n * m]);
         let mut squares = 0.0f64;
         let mut at_nodes = vec![[0.0f64; 3]; m];
-        for field in self.fields {
+        for (field, there) in self.fields.iter().zip(self.at_nodes) {
             let mut moves = false;
             for (to, node) in at_nodes.iter_mut().zip(nodes) {
-                let u = field[self.nodes[*node as usize] as usize];
+                let u = there[*node as usize];
                 *to = u.as_dvec3().to_array();
                 moves |= u != Vec3::ZERO;
             }

@@ -80,8 +80,18 @@ impl Basis {
         let tiles = mesh.positions().len().div_ceil(TILE);
         let mut round = 0;
         loop {
-            let tree = tree(mesh, &nodes, tasks);
-            let fitting = Fitting { mesh, fields, nodes: &nodes, index: &tree, slopes: None, shared: &shared };
+            let positions = pick(&nodes, mesh.positions());
+            let tree = tree(&positions, tasks);
+            let at_nodes: Vec<Vec<Vec3>> = fields.iter().map(|field| pick(&nodes, field)).collect();
+            let fitting = Fitting {
+                mesh,
+                fields,
+                at_nodes: &at_nodes,
+                nodes: &positions,
+                index: &tree,
+                slopes: None,
+                shared: &shared,
+            };
             let errors = map(tasks, 0..tiles, |t| errors(&fitting, t, &fitting.tile(t))).concat();
             let worst = errors.iter().fold(0.0, |a: f32, b| a.max(*b));
             let mut more = nodes.clone();
@@ -119,11 +129,50 @@ fn shared(weld: &[u32]) -> Vec<bool> {
     shared
 }
 
+impl Rows {
+    /// How the vertices of another mesh of the body follow the same nodes. Fitted to displacement fields of its vertices (m), and
+    /// of the nodes. A vertex at the position of a vertex of the base mesh, `same`, has that one's weights.
+    pub(crate) fn of_other_mesh(
+        mesh: &Mesh,
+        fields: &[&[Vec3]],
+        (nodes, at_nodes): (&[Vec3], &[Vec<Vec3>]),
+        (base, same): (&Rows, &[Option<u32>]),
+        tasks: &dyn TaskSystem,
+    ) -> Self {
+        let shared = shared(mesh.weld());
+        let slopes = Slopes::of(mesh);
+        let slopes = Some(&slopes).filter(|s| !s.is_empty());
+        let index = &tree(nodes, tasks);
+        let fitting = Fitting { mesh, fields, at_nodes, nodes, index, slopes, shared: &shared };
+        rows(map(tasks, 0..mesh.positions().len().div_ceil(TILE), |t| {
+            let mut tile = fitting.tile(t);
+            for (lane, like) in same[t * TILE..].iter().take(TILE).enumerate() {
+                if let Some(like) = like {
+                    tile.set_weights(lane, base.of(*like));
+                }
+            }
+            tile.forget_unused();
+            tile
+        }))
+    }
+
+    /// The nodes that a vertex follows, with their weights in units of 1 / [`ONE`].
+    pub(crate) fn of(&self, v: u32) -> impl Iterator<Item = (u32, i32)> {
+        let (tile, lane) = (v as usize / TILE, v as usize % TILE);
+        let weights = self.weights_of(tile).chunks_exact(2 * TILE).flat_map(move |p| [p[2 * lane], p[2 * lane + 1]]);
+        self.nodes_of(tile).iter().copied().zip(weights.map(i32::from)).filter(|(_, w)| *w != 0)
+    }
+}
+
+/// The elements of these vertices.
+fn pick(vertices: &[u32], of: &[Vec3]) -> Vec<Vec3> {
+    vertices.iter().map(|v| of[*v as usize]).collect()
+}
+
 /// The tree of the nodes' positions.
-fn tree(mesh: &Mesh, nodes: &[u32], tasks: &dyn TaskSystem) -> VertexIndex {
-    let positions: Vec<Vec3> = nodes.iter().map(|v| mesh.positions()[*v as usize]).collect();
-    let own: Vec<u32> = (0..nodes.len() as u32).collect();
-    VertexIndex::new(&positions, &own, tasks)
+fn tree(positions: &[Vec3], tasks: &dyn TaskSystem) -> VertexIndex {
+    let own: Vec<u32> = (0..positions.len() as u32).collect();
+    VertexIndex::new(positions, &own, tasks)
 }
 
 /// For each vertex of a tile, the largest difference from any field, m.
@@ -132,10 +181,10 @@ fn errors(fitting: &Fitting<'_>, tile: usize, fitted: &FittedTile) -> Vec<f32> {
     let range = tile * TILE..((tile + 1) * TILE).min(vertices);
     let mut errors = vec![0.0f32; range.len()];
     let one = 1.0 / ONE as f32;
-    for field in fitting.fields {
+    for (field, at_nodes) in fitting.fields.iter().zip(fitting.at_nodes) {
         let mut sums = [Vec3::ZERO; TILE];
         for (node, weights) in fitted.nodes.iter().zip(&fitted.weights) {
-            let u = field[fitting.nodes[*node as usize] as usize] * one;
+            let u = at_nodes[*node as usize] * one;
             if u != Vec3::ZERO {
                 sums.iter_mut().zip(weights).for_each(|(sum, w)| *sum += u * *w as f32);
             }

@@ -13,6 +13,7 @@
 //! Weights are 8-bit numbers and the nodes' displacements 16-bit ones. A sum of products stays below 2^24, so integers and f32 hold
 //! it exactly: it has the same bits in any order, at any SIMD level and on a GPU.
 
+pub(crate) mod field;
 pub(crate) mod fit;
 pub(crate) mod learn;
 pub(crate) mod nodes;

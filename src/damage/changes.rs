@@ -54,11 +54,13 @@ impl<'a> ChangeRecorder<'a> {
         }
     }
 
-    /// Marks the blocks of the base mesh with vertices that follow these nodes.
+    /// Marks the blocks with vertices that follow these nodes.
     pub(crate) fn nodes(&mut self, nodes: &[u32]) {
-        let (Some(all), Some(blocks)) = (self.set.nodes(), self.changes.blocks.first_mut()) else { return };
-        for node in nodes {
-            all.followers(*node).iter().for_each(|b| blocks[*b as usize] = self.changes.epoch);
+        let followers = self.set.nodes().map_or(&[][..], |all| all.followers());
+        for (mesh, blocks) in followers.iter().zip(&mut self.changes.blocks) {
+            for node in nodes {
+                mesh.of(*node).iter().for_each(|b| blocks[*b as usize] = self.changes.epoch);
+            }
         }
     }
 

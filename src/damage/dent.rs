@@ -16,12 +16,16 @@
 
 use super::carried::{Carried, Lookup, Placement};
 use super::mark::{MAX_PAIRS, Mark, Pair};
+use super::told::predicted;
 use crate::base::array_vec::ArrayVec;
 use crate::base::math::{Aabb, rotation_between};
+use crate::basis::field::NodeField;
 use crate::example::mesh_lod::MeshLod;
 use crate::example::options::Seams;
 use crate::example::set::ExampleSet;
+use crate::mesh::vertex_blocks::BLOCK;
 use glam::{Mat3, Vec3};
+use std::sync::Arc;
 
 /// Limits of a carried example's stretch along the surface.
 const STRETCH: (f32, f32) = (0.25, 4.0);
@@ -43,6 +47,8 @@ pub(crate) enum Part {
     Anchored(usize, f32),
     /// Examples read from their stamps.
     Carried(Carried),
+    /// Nodes that the set predicts, and the factor for their displacements.
+    Predicted(Arc<NodeField>, f32),
 }
 
 /// A mark prepared for evaluation.
@@ -81,6 +87,9 @@ pub(crate) struct Nearby {
 impl Dent {
     /// Makes the dent of one hit of a mark, not widened. The mark must be valid.
     pub(crate) fn of_one_hit(set: &ExampleSet, mark: &Mark) -> Self {
+        if mark.is_predicted() {
+            return Self::of_prediction(set, mark);
+        }
         let rotations = frame_rotations(set, mark.contact, &mark.pairs);
         let examples = place(set, mark.contact, mark.depth, &mark.pairs, &rotations).parts;
         let contact = set.mesh().positions()[mark.contact as usize];
@@ -90,9 +99,25 @@ impl Dent {
         dent
     }
 
-    /// Sets the factor for the stretch.
+    fn of_prediction(set: &ExampleSet, mark: &Mark) -> Self {
+        Dent {
+            strength: 1.0,
+            alone: 1.0,
+            wide: 1.0,
+            contact: set.mesh().positions()[mark.contact as usize],
+            examples: ArrayVec::new(),
+            parts: predicted(set, mark).map(|(field, scale)| Part::Predicted(field, scale)).into_iter().collect(),
+            nearby: Nearby::default(),
+        }
+    }
+
+    /// Sets the factor for the stretch. A prediction has none.
     pub(crate) fn widen(&mut self, set: &ExampleSet, wide: f32) {
         if self.wide == wide {
+            return;
+        }
+        if let [Part::Predicted(..)] = &self.parts[..] {
+            self.wide = wide;
             return;
         }
         self.wide = wide;
@@ -118,6 +143,9 @@ impl Dent {
     /// Displacement of the base vertex `v` by the mark's hit alone, without held rims, m.
     pub(crate) fn alone_at(&self, set: &ExampleSet, v: u32) -> Vec3 {
         let p = set.mesh().positions()[v as usize];
+        if let ([Part::Predicted(field, scale)], Some(rows)) = (&self.parts[..], &set.base_lod().rows) {
+            return field.at_vertex(rows, v) * *scale;
+        }
         let part = |part: &PlacedExample| match &part.carried {
             Some(at) => at.alone(set, part.example, p) * part.scale,
             None => set.examples()[part.example].displacement_at(v, p) * part.scale,
@@ -129,7 +157,7 @@ impl Dent {
     pub(crate) fn reach(&self) -> Reach {
         let radius = |p: &Part| match p {
             Part::Carried(c) => c.radius() + (c.contact - self.contact).length(),
-            Part::Anchored(..) => f32::INFINITY,
+            Part::Anchored(..) | Part::Predicted(..) => f32::INFINITY,
         };
         let radius = self.parts.iter().map(radius).fold(0.0, f32::max);
         Reach { contact: self.contact, square: radius * radius }
@@ -165,6 +193,7 @@ impl Dent {
                     let scale = (scale * self.strength).abs();
                     lod.anchored[*example].heads.iter().for_each(|h| f(h.block as usize, h.longest * scale));
                 }
+                Part::Predicted(..) => {}
             }
         }
     }
@@ -187,14 +216,36 @@ impl Dent {
                     lod.anchored[*example].heads.iter().for_each(|h| epochs[h.block as usize] = epoch);
                 }
                 Part::Anchored(..) => {}
+                // Vertices follow nodes, so the mesh is that of the nodes.
+                Part::Predicted(field, _) => {
+                    field.nodes().iter().for_each(|n| epochs[*n as usize / BLOCK] = epoch);
+                }
             }
         }
     }
 
+    /// The nodes that predictions of the dent move, and their displacements, m.
+    pub(crate) fn predicted(&self) -> impl Iterator<Item = (u32, Vec3)> {
+        self.parts
+            .iter()
+            .flat_map(|part| match part {
+                Part::Predicted(field, scale) => {
+                    let scale = scale * self.strength;
+                    Some(field.moved().map(move |(n, u)| (n, u * scale)))
+                }
+                _ => None,
+            })
+            .flatten()
+    }
+
     /// Memory that the dent holds, bytes.
     pub(crate) fn memory_bytes(&self) -> usize {
-        let lookups = |p: &Part| if let Part::Carried(c) = p { c.lookups.capacity() * size_of::<Lookup>() } else { 0 };
-        size_of::<Self>() + self.parts.capacity() * size_of::<Part>() + self.parts.iter().map(lookups).sum::<usize>()
+        let own = |p: &Part| match p {
+            Part::Carried(c) => c.lookups.capacity() * size_of::<Lookup>(),
+            Part::Predicted(field, _) => field.bytes(),
+            Part::Anchored(..) => 0,
+        };
+        size_of::<Self>() + self.parts.capacity() * size_of::<Part>() + self.parts.iter().map(own).sum::<usize>()
     }
 }
 

@@ -88,7 +88,8 @@ pub struct Mark {
     pub depth: f32,
     /// Energy in hits of this depth, in units of 2^-32: 4294967296 for one hit. Hits that repeat the mark add to it.
     pub energy: u64,
-    /// Up to four examples. Used pairs come first.
+    /// Up to four examples. Used pairs come first. If the first has the example 65534, they are the numbers of a hit whose dent
+    /// the set predicts (docs/model.md, "A mark of a learned set").
     pub pairs: [Pair; 4],
 }
 
@@ -130,6 +131,17 @@ impl Mark {
         }
         if self.energy == 0 {
             return Err(bad("energy", "0".into(), "above 0".into()));
+        }
+        if self.is_predicted() {
+            let expected = match set.rule() {
+                None => Some("examples: the set has not learned to predict hits"),
+                Some(rule) if self.pairs[0].share == 1 && !rule.knows_blows() => {
+                    Some("told as a displacement: no example of the set knows its blow")
+                }
+                Some(_) if self.pairs[0].share > 1 => Some("told as a displacement (0) or a blow (1)"),
+                Some(_) => None,
+            };
+            return expected.map_or(Ok(()), |e| Err(bad("pairs", format!("{:?}", self.pairs), e.into())));
         }
         let used = self.pairs.iter().take_while(|p| !p.is_none()).count();
         if used == 0 || self.pairs[used..].iter().any(|p| !p.is_none()) {

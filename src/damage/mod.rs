@@ -7,3 +7,4 @@ pub(crate) mod list;
 pub(crate) mod mark;
 pub(crate) mod overlap;
 pub(crate) mod saved;
+pub(crate) mod told;

@@ -45,6 +45,9 @@ pub(crate) fn dent_alone(set: &ExampleSet, mark: &Mark) -> Dent {
 
 /// The largest factor for the stretch of a mark's dent.
 fn widest(set: &ExampleSet, mark: &Mark) -> f32 {
+    if mark.is_predicted() {
+        return 1.0;
+    }
     let (mut radius, mut shares) = (0.0, 0.0);
     for pair in mark.pairs.iter().filter(|p| !p.is_none()) {
         let e = &set.examples()[pair.example as usize];

@@ -146,6 +146,8 @@ fn add_dent<'a>(
                 }
                 (lookups.len() > first).then_some(Source::Carried(carried, first..lookups.len()))
             }
+            // Nodes sum these; vertices follow nodes.
+            Part::Predicted(..) => continue,
             Part::Anchored(example, _) => {
                 let anchored = &lod.anchored[*example];
                 let Some(head) = anchored.block(job.block as u32) else { continue };

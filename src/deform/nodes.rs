@@ -6,6 +6,7 @@ use crate::base::error::{Error, reserve};
 use crate::base::tasks::Serial;
 use crate::basis::FREE;
 use crate::example::mesh_lod::MeshLod;
+use crate::mesh::vertex_blocks::BLOCK;
 use glam::Vec3;
 
 /// The displacements of all nodes, as of the last update.
@@ -14,6 +15,8 @@ pub(crate) struct NodeState {
     tracker: Tracker,
     /// m.
     positions: Vec<[f32; 3]>,
+    /// What predicted dents add to nodes, m; empty if there never was one.
+    predicted: Vec<Vec3>,
     steps: Vec<NodeSteps>,
     /// m; a power of two.
     step: f32,
@@ -30,7 +33,8 @@ impl NodeState {
         let (mut positions, mut steps) = (reserve(nodes, "nodes")?, reserve(nodes, "nodes")?);
         positions.resize(nodes, [0.0; 3]);
         steps.resize(nodes, [0; 4]);
-        Ok(Self { tracker: Tracker::new(), positions, steps, step: 0.0, changed: reserve(nodes, "nodes")? })
+        let predicted = Vec::new();
+        Ok(Self { tracker: Tracker::new(), positions, predicted, steps, step: 0.0, changed: reserve(nodes, "nodes")? })
     }
 
     pub(crate) fn view(&self) -> NodeView<'_> {
@@ -52,6 +56,7 @@ impl NodeState {
             &Serial,
         )?;
         self.changed.clear();
+        self.add_predicted(view);
         let limit = view.depth_limit.min(MOST_LIMITS * view.set.depth_limit());
         let step = step(limit);
         let before = std::mem::replace(&mut self.step, step);
@@ -60,7 +65,8 @@ impl NodeState {
         let every = 0..self.positions.len() as u32;
         for v in if all { std::slice::from_ref(&every) } else { self.tracker.changed() }.iter().cloned().flatten() {
             let at = v as usize;
-            let moved = Vec3::from(self.positions[at]) - nodes.mesh.positions()[at];
+            let predicted = self.predicted.get(at).copied().unwrap_or_default();
+            let moved = Vec3::from(self.positions[at]) - nodes.mesh.positions()[at] + predicted;
             let [x, y, z] = (soft(moved, limit) / step).to_array().map(|x| libm::roundf(x.clamp(-MOST, MOST)) as i16);
             if all || self.steps[at] != [x, y, z, 0] {
                 self.steps[at] = [x, y, z, 0];
@@ -70,9 +76,34 @@ impl NodeState {
         Ok(&self.changed)
     }
 
+    /// Sums what predicted dents move, for the nodes of the blocks that changed; in the order of the marks, so that the sums have the
+    /// same bits on every machine.
+    fn add_predicted(&mut self, view: &DamageView<'_>) {
+        let dents = || view.damage.dents().iter().filter(|dent| dent.predicted().next().is_some());
+        if self.predicted.is_empty() && dents().next().is_none() {
+            return;
+        }
+        let nodes = self.positions.len();
+        self.predicted.resize(nodes, Vec3::ZERO);
+        let mut summed = vec![false; nodes.div_ceil(BLOCK)];
+        for range in self.tracker.changed() {
+            let blocks = range.start as usize / BLOCK..(range.end as usize).div_ceil(BLOCK);
+            self.predicted[blocks.start * BLOCK..(blocks.end * BLOCK).min(nodes)].fill(Vec3::ZERO);
+            summed[blocks].fill(true);
+        }
+        for dent in dents() {
+            for (node, u) in dent.predicted().filter(|(node, _)| summed[*node as usize / BLOCK]) {
+                self.predicted[node as usize] += u;
+            }
+        }
+    }
+
     /// Memory used, bytes.
     pub(crate) fn memory_bytes(&self) -> usize {
-        self.positions.capacity() * 12 + self.steps.capacity() * 8 + self.changed.capacity() * 4
+        self.predicted.capacity() * 12
+            + self.positions.capacity() * 12
+            + self.steps.capacity() * 8
+            + self.changed.capacity() * 4
     }
 }
 

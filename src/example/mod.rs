@@ -11,5 +11,6 @@ pub(crate) mod mesh_lod;
 pub(crate) mod options;
 pub(crate) mod report;
 pub(crate) mod response;
+pub(crate) mod rule;
 pub(crate) mod set;
 pub(crate) mod stamp;

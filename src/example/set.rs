@@ -8,9 +8,11 @@ use super::mesh_lod::MeshLod;
 use super::options::{SetOptions, VertexMass};
 use super::report::{LodReport, SetReport};
 use super::response::Response;
+use super::rule::LearnedRule;
 use super::stamp::Stamp;
 use crate::base::array::Array;
 use crate::base::error::Error;
+use crate::base::tasks::TaskSystem;
 use crate::basis::{FREE, Rows, TILE};
 use crate::mesh::mirror::Mirror;
 use crate::mesh::nearest::{Nearest, VertexIndex};
@@ -18,6 +20,7 @@ use crate::mesh::rim::Rim;
 use crate::mesh::surface::SurfaceIndex;
 use crate::mesh::vertex_blocks::BLOCK;
 use crate::mesh::{Mesh, finite};
+use glam::Vec3;
 use std::sync::OnceLock;
 
 /// A base mesh with its examples. It is immutable: the instances of the mesh and threads share it through an `Arc`.
@@ -52,6 +55,7 @@ pub struct ExampleSet {
     source_order: Option<Array<u32>>,
     /// The nodes that vertices follow, if the set has learned a basis.
     nodes: Option<SetNodes>,
+    rule: Option<LearnedRule>,
     /// Spatial index of the base mesh's triangles, built on first use.
     surface: OnceLock<SurfaceIndex>,
 }
@@ -61,14 +65,26 @@ pub struct ExampleSet {
 pub(crate) struct SetNodes {
     /// The nodes as a mesh without triangles, with the set's examples on it.
     pub lod: MeshLod,
-    /// The blocks of the base mesh that have a vertex which follows each node: where those of each node end, and the blocks.
+    /// One for each mesh of the set.
+    followers: Vec<Followers>,
+}
+
+/// The blocks of a mesh that have a vertex which follows each node: where those of each node end, and the blocks.
+#[derive(Debug)]
+pub(crate) struct Followers {
     ends: Vec<u32>,
     blocks: Vec<u32>,
 }
 
 impl SetNodes {
-    /// `rows` are those of the base mesh.
-    pub(crate) fn new(lod: MeshLod, rows: &Rows) -> Self {
+    /// The followers of each mesh of the set.
+    pub(crate) fn followers(&self) -> &[Followers] {
+        &self.followers
+    }
+}
+
+impl Followers {
+    fn new(rows: &Rows, nodes: usize) -> Self {
         let per_block = BLOCK / TILE;
         let mut pairs: Vec<(u32, u32)> = Vec::with_capacity(rows.nodes.len());
         for tile in 0..rows.tiles.len() {
@@ -76,13 +92,12 @@ impl SetNodes {
         }
         pairs.sort_unstable();
         pairs.dedup();
-        let nodes = 0..lod.vertex_count() as u32;
-        let ends = nodes.map(|n| pairs.partition_point(|(node, _)| *node <= n) as u32).collect();
-        SetNodes { lod, ends, blocks: pairs.into_iter().map(|(_, block)| block).collect() }
+        let ends = (0..nodes as u32).map(|n| pairs.partition_point(|(node, _)| *node <= n) as u32).collect();
+        Followers { ends, blocks: pairs.into_iter().map(|(_, block)| block).collect() }
     }
 
-    /// The blocks of the base mesh with a vertex that follows the node.
-    pub(crate) fn followers(&self, node: u32) -> &[u32] {
+    /// The blocks with a vertex that follows the node.
+    pub(crate) fn of(&self, node: u32) -> &[u32] {
         let n = node as usize;
         let from = if n == 0 { 0 } else { self.ends[n - 1] };
         &self.blocks[from as usize..self.ends[n] as usize]
@@ -91,6 +106,9 @@ impl SetNodes {
 
 /// Maximum number of meshes of a set: the base mesh and its levels of detail.
 pub(crate) const MAX_MESHES: usize = 64;
+
+/// The most examples that rows of further meshes are fitted to, evenly spread over the list.
+const MOST_FIELDS: usize = 64;
 
 /// The parts of a set, built or loaded.
 pub(crate) struct Parts {
@@ -159,6 +177,7 @@ impl ExampleSet {
             report,
             source_order: p.source_order,
             nodes: None,
+            rule: None,
             surface: OnceLock::new(),
         }
     }
@@ -217,6 +236,7 @@ impl ExampleSet {
             + self.index.bytes()
             + self.report.stamp_bytes
             + self.candidates.bytes()
+            + self.rule.as_ref().map_or(0, LearnedRule::bytes)
     }
 
     /// What the set learned about its body's response to blows. `None` if no example knows its blow.
@@ -294,11 +314,51 @@ impl ExampleSet {
         self.nodes.as_ref()
     }
 
-    /// Lets the base mesh follow nodes. The default depth limit becomes larger, so that nodes move freely up to the deepest example.
-    pub(crate) fn follow(&mut self, lod: MeshLod, rows: Rows) {
+    /// Lets all meshes follow nodes, with rows for each of them. The default depth limit becomes larger, so that nodes move freely up
+    /// to the deepest example.
+    pub(crate) fn follow(&mut self, lod: MeshLod, rows: Vec<Rows>) {
         self.depth_limit = self.options.depth_limit.unwrap_or(deepest(&self.examples) / FREE);
-        self.nodes = Some(SetNodes::new(lod, &rows));
-        self.base.rows = Some(rows);
+        let followers = rows.iter().map(|rows| Followers::new(rows, lod.vertex_count())).collect();
+        self.nodes = Some(SetNodes { lod, followers });
+        for (mesh, rows) in std::iter::once(&mut self.base).chain(&mut self.lods).zip(rows) {
+            mesh.rows = Some(rows);
+        }
+    }
+
+    /// How the vertices of another mesh follow the nodes, fitted to the set's examples on it. `None` if the set has no nodes.
+    pub(crate) fn rows_on(&self, lod: &MeshLod, tasks: &dyn TaskSystem) -> Option<Rows> {
+        Some(self.rows_by((&self.nodes()?.lod, self.base.rows.as_ref()?), lod, tasks))
+    }
+
+    /// The same for nodes, and rows of the base mesh, that the set does not have yet.
+    pub(crate) fn rows_by(&self, (nodes, base): (&MeshLod, &Rows), lod: &MeshLod, tasks: &dyn TaskSystem) -> Rows {
+        let dense = |on: &MeshLod, i: usize| {
+            let mut field = vec![Vec3::ZERO; on.vertex_count()];
+            on.anchored[i].iter().for_each(|(v, d, _)| field[v as usize] = d);
+            field
+        };
+        let some = (0..lod.anchored.len()).step_by(lod.anchored.len().div_ceil(MOST_FIELDS).max(1));
+        let (fields, at_nodes): (Vec<_>, Vec<_>) = some.map(|i| (dense(lod, i), dense(nodes, i))).unzip();
+        let fields: Vec<&[Vec3]> = fields.iter().map(Vec::as_slice).collect();
+        let positions = self.mesh().positions();
+        let near = |p: &Vec3| self.index.nearest(*p, positions).map(|n| n.vertex);
+        let same: Vec<Option<u32>> =
+            lod.mesh.positions().iter().map(|p| near(p).filter(|v| positions[*v as usize] == *p)).collect();
+        Rows::of_other_mesh(&lod.mesh, &fields, (nodes.mesh.positions(), &at_nodes), (base, &same), tasks)
+    }
+
+    /// What predicts hits from all examples, if the set has learned it.
+    pub(crate) fn rule(&self) -> Option<&LearnedRule> {
+        self.rule.as_ref()
+    }
+
+    /// Lets hits be predicted. Marks then mean something else, so the fingerprint changes.
+    pub(crate) fn set_rule(&mut self, rule: LearnedRule) {
+        self.rule = Some(rule);
+    }
+
+    pub(crate) fn set_fingerprint(&mut self, fingerprint: u64) {
+        self.fingerprint = fingerprint;
     }
 
     /// The meshes whose blocks dents mark as changed: all of them, and last the nodes, if there are any.
@@ -306,7 +366,12 @@ impl ExampleSet {
         self.lods().chain(self.nodes.as_ref().map(|n| &n.lod))
     }
 
-    pub(crate) fn push_lod(&mut self, lod: MeshLod, report: LodReport) {
+    /// Adds a mesh, which follows the set's nodes if it has any.
+    pub(crate) fn push_lod(&mut self, mut lod: MeshLod, report: LodReport, rows: Option<Rows>) {
+        if let (Some(nodes), Some(rows)) = (&mut self.nodes, &rows) {
+            nodes.followers.push(Followers::new(rows, nodes.lod.vertex_count()));
+        }
+        lod.rows = rows;
         self.lods.push(lod);
         self.report.lods.push(report);
     }

@@ -167,6 +167,8 @@ impl FrameWork {
                         let dropped_square = dropped_square(dropped);
                         DentPart { scale, normal_scale: 0.0, dropped_square, lookups, source, padding: [0; 3] }
                     }
+                    // Only sets whose vertices follow nodes have these.
+                    Part::Predicted(..) => continue,
                     Part::Anchored(example, own) => {
                         if !dent.shows_anchored(mesh, (*example, *own), threshold) {
                             self.parts_skipped += 1;

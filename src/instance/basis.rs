@@ -13,6 +13,7 @@ use crate::deform::evaluate::{self, BlockJob, Scratch};
 use crate::deform::view::DamageView;
 use crate::example::blocks::DeltaBlocks;
 use crate::example::mesh_lod::MeshLod;
+use crate::example::rule::LearnedRule;
 use crate::example::set::ExampleSet;
 use crate::mesh::Mesh;
 use crate::mesh::data::MeshData;
@@ -20,7 +21,9 @@ use crate::mesh::vertex_blocks::block_range;
 use crate::select::hit::Hit;
 use crate::select::target::HitParams;
 use glam::{DMat3, DVec3, Vec3};
+use std::hash::Hasher;
 use std::sync::Arc;
+use twox_hash::XxHash3_64;
 
 /// Hits that the basis is learned from, besides the examples.
 const HITS: usize = 64;
@@ -33,7 +36,7 @@ impl ExampleSet {
     /// Lets the vertices of the base mesh follow *nodes*, a few of them, whose displacements alone are then computed from marks
     /// (docs/model.md, "Nodes"). A hit and a frame cost less, the more so the more examples and marks there
     /// are. Vertices are wrong by about the tolerance; the report says how much at worst. Marks, contacts and saved damage do not
-    /// change. Levels of detail are computed from marks as before.
+    /// change. Levels of detail follow the same nodes: their vertices at positions of base vertices exactly like these.
     ///
     /// The basis is learned from the set's examples and from hits all over the body. Vertices that are neighbours in space should be
     /// neighbours in memory ([`reorder`](fn@crate::reorder)): 64 consecutive vertices follow the same nodes.
@@ -51,8 +54,40 @@ impl ExampleSet {
         let fields: Vec<&[Vec3]> = fields.iter().map(Vec::as_slice).collect();
         let (basis, report) = Basis::learn(self.mesh(), &fields, options, tasks)?;
         let nodes = self.node_mesh(basis.nodes(), tasks)?;
-        self.follow(nodes, basis.rows);
+        let others = self.lods().skip(1).map(|lod| self.rows_by((&nodes, &basis.rows), lod, tasks));
+        let rows = others.collect::<Vec<_>>();
+        self.follow(nodes, std::iter::once(basis.rows).chain(rows).collect());
         Ok(report)
+    }
+
+    /// Lets the set predict hits from all of its examples at once, instead of mixing a few of them
+    /// (docs/model.md, "The learned rule"). The more examples there are, the nearer it is to what they would show: more examples cost
+    /// memory, and a hit or a frame hardly more. Marks then hold the hit itself, and have no pairs.
+    ///
+    /// Vertices must follow nodes ([`ExampleSet::learn_basis`]). The fingerprint changes, because saved damage looks different now. Call it
+    /// before instances are made. Instances with a classic rule are not affected.
+    ///
+    /// Returns for each example the relative L2 error with which the others predict it; 1 is that of no dent at all.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] if vertices do not follow nodes, or the mesh has no normals. After an error nothing has changed.
+    pub fn learn_rule(&mut self, tasks: &dyn TaskSystem) -> Result<Vec<f32>, Error> {
+        let needs = |what: &str| Error::Unsupported { what: format!("learning the rule {what}") };
+        let Some(nodes) = self.nodes() else { return Err(needs("of a set without a basis: call learn_basis first")) };
+        if self.mesh().normals().is_none() {
+            return Err(needs("of a mesh without normals"));
+        }
+        let planes = self.report().mirror_planes;
+        let rule = LearnedRule::learn((self.mesh(), &nodes.lod), self.examples(), planes, tasks)?;
+        let mut errors = rule.errors().iter().copied();
+        let errors = self.examples().iter().map(|e| if e.is_empty() { 0.0 } else { errors.next().unwrap_or(1.0) });
+        let errors = errors.collect();
+        let mut hash = XxHash3_64::new();
+        hash.write(&self.fingerprint().to_le_bytes());
+        hash.write(rule.as_bytes());
+        self.set_fingerprint(hash.finish());
+        self.set_rule(rule);
+        Ok(errors)
     }
 
     /// The base mesh without limits of its vertices, which hold for what follows and not for nodes.

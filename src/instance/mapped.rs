@@ -109,7 +109,7 @@ impl Mapper<'_> {
     fn mark(&mut self, mark: Mark) -> Result<Option<Mark>, Error> {
         let mut pairs = mark.pairs;
         let mut missing = false;
-        for pair in pairs.iter_mut().filter(|pair| !pair.is_none()) {
+        for pair in pairs.iter_mut().filter(|pair| !pair.is_none() && !mark.is_predicted()) {
             match self.examples[usize::from(pair.example)]
                 .filter(|new| fits(&self.to.examples()[usize::from(*new)], *pair))
             {

@@ -4,11 +4,13 @@ use super::options::Rule;
 use crate::base::error::Error;
 use crate::classic::select::select_by_cosine;
 use crate::damage::mark::Mark;
+use crate::damage::told::{Told, predicted};
 use crate::example::set::ExampleSet;
 use crate::mesh::mirror::Mirror;
 use crate::select::hit::{Chosen, Hit, HitStatus, Outcome, Selection};
 use crate::select::nearest::select_nearest;
 use crate::select::target::{HitParams, HitTarget, resolve};
+use glam::Vec3;
 
 /// What a hit leaves on the instance.
 #[derive(Debug, Clone, Copy)]
@@ -27,10 +29,27 @@ pub(crate) fn select(set: &ExampleSet, rule: Rule, params: &HitParams, hit: &Hit
     let (mut outcome, target) = resolve(set, params, hit)?;
     let Some(target) = target else { return Ok((outcome, Effect::None)) };
     let effect = match rule {
+        Rule::Marks if set.rule().is_some() => predict(set, &target, &mut outcome).map(Effect::Mark),
         Rule::Marks => select_nearest(set, params.examples_per_hit, &target, &mut outcome).map(Effect::Mark),
         Rule::MostDisplaced | Rule::Blend(_) => classic(set, &target, params.selection, &mut outcome),
     };
     Ok((outcome, effect.unwrap_or(Effect::None)))
+}
+
+/// The mark of a hit whose dent the set predicts.
+fn predict(set: &ExampleSet, target: &HitTarget, out: &mut Outcome) -> Option<Mark> {
+    let told = target.told.unwrap_or(Told::Displacement(target.direction));
+    let mark =
+        Mark { contact: target.contact, depth: target.size, energy: Mark::ONE, pairs: told.pairs(target.normal?) };
+    let (field, scale) = predicted(set, &mark)?;
+    let moved = field.at_vertex(set.base_lod().rows.as_ref()?, mark.contact) * scale;
+    if moved == Vec3::ZERO {
+        return None;
+    }
+    out.achieved = (moved * set.mesh().limits().factor(mark.contact, moved)).to_array();
+    out.status = HitStatus::Marked;
+    out.mark = Some(mark);
+    Some(mark)
 }
 
 fn classic(set: &ExampleSet, target: &HitTarget, selection: Selection, out: &mut Outcome) -> Option<Effect> {

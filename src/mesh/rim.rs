@@ -95,6 +95,11 @@ impl Rim {
         Rim { blocks: blocks.into(), windows: windows.into(), held: Array::default() }
     }
 
+    /// Whether no rim is held.
+    pub(crate) fn is_open(&self) -> bool {
+        self.windows.is_empty()
+    }
+
     /// The windows of block `b`, or `None` if all are open.
     pub(crate) fn block(&self, b: usize) -> Option<&WindowBlock> {
         self.windows.get(*self.blocks.get(b)? as usize)

@@ -15,6 +15,8 @@ pub struct Body<'a> {
     pub mirror: Mirror,
     /// A point of those planes, m.
     pub centre: Vec3,
+    /// How much of what is carried to each point it takes: 1, and less towards held rims. Empty: 1 everywhere.
+    pub held: &'a [f32],
 }
 
 /// One example: a hit and the field that it left.
@@ -28,6 +30,8 @@ pub struct Sample<'a> {
     pub blow: Option<Blow>,
     /// Displacement of each point, m.
     pub field: &'a [Vec3],
+    /// Displacement of the contact, m. `None`: that of the nearest point.
+    pub moved: Option<Vec3>,
     /// Samples of one source are copies of one simulation. They are left out together when the set learns from its own
     /// errors.
     pub source: u32,

@@ -18,14 +18,17 @@ pub(super) type Point = [f64; AXES];
 pub(super) const STRENGTH_AXIS: usize = 6;
 
 /// What a point has of a hit besides its place. Unknown numbers are typical ones.
-pub(super) struct Strike {
-    /// J or m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Strike {
+    /// Energy of the normal velocity, J, above 0; of a displacement its length, m.
     pub strength: f64,
-    /// kg.
+    /// kg, above 0.
     pub mass: f64,
-    /// m.
+    /// m, above 0.
     pub radius: f64,
+    /// Tangential over normal velocity; of a displacement the part of its direction in the surface.
     pub direction: [f64; 3],
+    /// Tells kinds of strikers apart.
     pub kind: f64,
 }
 

@@ -1,13 +1,13 @@
 //! A hit and what is predicted of it.
 
-use super::Blow;
+use super::Strike;
 use glam::Vec3;
 
 /// What is known of a hit's strength.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Told {
-    /// The blow.
-    Blow(Blow),
+    /// The blow, as [`Predictor::strike`](super::Predictor::strike) reads it.
+    Strike(Strike),
     /// The displacement of the contact, m.
     Displacement(Vec3),
 }

@@ -126,6 +126,7 @@ fn learn(
     Ok(Predictor {
         points: body.points.to_vec(),
         normals: body.normals.to_vec(),
+        held: body.held.to_vec(),
         diagonal: data.diagonal,
         frames: data.frames,
         partners: if mirrored.contains(&true) { data.partners } else { Vec::new() },
@@ -155,6 +156,9 @@ fn check(body: &Body<'_>, samples: &[Sample<'_>]) -> Result<(), Error> {
     if points == 0 {
         return Err(Error::invalid("points", "empty", "at least one point"));
     }
+    if !body.held.is_empty() && body.held.len() != points {
+        return Err(Error::invalid("held.len()", body.held.len(), &format!("0 or the number of points, {points}")));
+    }
     if body.normals.len() != points {
         return Err(Error::invalid("normals.len()", body.normals.len(), &format!("the number of points, {points}")));
     }
@@ -163,7 +167,8 @@ fn check(body: &Body<'_>, samples: &[Sample<'_>]) -> Result<(), Error> {
             let name = format!("samples[{i}].field.len()");
             return Err(Error::invalid(&name, sample.field.len(), &format!("the number of points, {points}")));
         }
-        let bad = sample.field.iter().chain([&sample.contact, &sample.normal]).find(|v| !v.is_finite());
+        let bad =
+            sample.field.iter().chain([&sample.contact, &sample.normal]).chain(&sample.moved).find(|v| !v.is_finite());
         if let Some(v) = bad {
             return Err(Error::NotFinite { name: format!("samples[{i}]"), value: format!("{v}") });
         }
@@ -246,7 +251,7 @@ impl Data<'_> {
         let mut images = Vec::new();
         for mirror in mirrors {
             for (i, s) in self.samples.iter().enumerate() {
-                let moved = s.field[nearest(self.body.points, s.contact)];
+                let moved = s.moved.unwrap_or_else(|| s.field[nearest(self.body.points, s.contact)]);
                 let (contact, normal) = (mirror.point(s.contact, self.body.centre), mirror.direction(s.normal));
                 let moved = mirror.direction(moved);
                 let point = if blows {
@@ -349,7 +354,7 @@ impl Data<'_> {
             view.turned(&stamp, 1.0, &mut turned);
             for (v, u) in carried[i * columns..(i + 1) * columns].as_chunks_mut::<3>().0.iter_mut().enumerate() {
                 if let Some(cell) = view.cell(self.body.points[v], self.body.normals[v]) {
-                    *u = read(&turned, &cell).to_array();
+                    *u = (read(&turned, &cell) * held(self.body.held, v)).to_array();
                 }
             }
         }
@@ -460,6 +465,11 @@ impl Data<'_> {
         }
         model
     }
+}
+
+/// The share that a point takes of what is carried to it.
+pub(super) fn held(shares: &[f32], point: usize) -> f32 {
+    shares.get(point).copied().unwrap_or(1.0)
 }
 
 /// Whole groups of rows, evenly from all, of at most `most` rows.

@@ -13,6 +13,7 @@ mod blow;
 mod body;
 mod features;
 mod fit;
+mod flat;
 mod hits;
 mod kernel;
 mod kriging;
@@ -30,6 +31,7 @@ mod tests;
 
 pub use blow::Blow;
 pub use body::{Body, Sample};
+pub use features::Strike;
 pub use hits::{Hit, Prediction, Told};
 pub use options::{LearnOptions, Learned};
 pub use predictor::{Predictor, Scratch};

@@ -2,6 +2,7 @@
 
 use super::features::{Point, Points, STRENGTH_AXIS, Strike, point};
 use super::kernel::{GROUPS, exp, matern};
+use super::learn::held;
 use super::lookup::nearest;
 use super::options::Learned;
 use super::own::{self, OwnFields};
@@ -106,6 +107,8 @@ pub(super) struct Typical {
 pub struct Predictor {
     pub(super) points: Vec<Vec3>,
     pub(super) normals: Vec<Vec3>,
+    /// See [`Body::held`](super::Body::held).
+    pub(super) held: Vec<f32>,
     pub(super) diagonal: f64,
     pub(super) frames: Frames,
     /// For each mirror the partner of each point; empty if no image is used.
@@ -133,12 +136,15 @@ pub struct Scratch {
 
 /// The space of hits: what a hit is as a point.
 pub(super) fn blow_point(blow: &Blow, place: Vec3, normal: Vec3, diagonal: f64, typical: &Typical) -> Option<Point> {
+    Some(point(place, normal, diagonal, &strike(blow, normal, typical)?))
+}
+
+/// What the regressions know of a blow; `None` if it points out of the body or tells neither velocity nor impulse.
+fn strike(blow: &Blow, normal: Vec3, typical: &Typical) -> Option<Strike> {
     let s = blow.strike(normal, typical.mass, typical.rebound)?;
     let radius = blow.radius.map_or(typical.radius, f64::from).max(1e-6);
     let kind = f64::from(blow.kind.unwrap_or(typical.kind));
-    let mass = s.mass.unwrap_or(typical.mass);
-    let strike = Strike { strength: s.energy, mass, radius, direction: s.tangent, kind };
-    Some(point(place, normal, diagonal, &strike))
+    Some(Strike { strength: s.energy, mass: s.mass.unwrap_or(typical.mass), radius, direction: s.tangent, kind })
 }
 
 /// The same for a displacement; `None` if it is zero.
@@ -166,18 +172,24 @@ impl Predictor {
         self.blow.is_some()
     }
 
-    /// Number of points.
-    pub fn point_count(&self) -> usize {
-        self.points.len()
-    }
-
     /// Bytes of the arrays.
     pub fn bytes(&self) -> usize {
         let part = |p: &Part| p.modes.len() * 4 + (p.coefficients.len() + p.mean.len()) * 8;
         let model = |m: &Model| part(&m.carried) + part(&m.anchored) + m.rows.len() * (2 * 104 + 8 * 3 + 8);
         let own = self.own.points.len() * 10 + self.own.starts.len() * 8;
         let partners: usize = self.partners.iter().map(|(_, p)| 4 * p.len()).sum();
-        self.points.len() * 24 + partners + own + model(&self.displacement) + self.blow.as_ref().map_or(0, model)
+        self.points.len() * 24
+            + self.held.len() * 4
+            + partners
+            + own
+            + model(&self.displacement)
+            + self.blow.as_ref().map_or(0, model)
+    }
+
+    /// What is known of a blow on a surface with this unit normal, the rest assumed. `None` if it points out of the body, or tells
+    /// neither velocity nor impulse.
+    pub fn strike(&self, blow: &Blow, normal: Vec3) -> Option<Strike> {
+        strike(blow, normal, &self.typical)
     }
 
     /// Predicts the displacements (m) of the points that a hit moves, in ascending order of points. A blow that points
@@ -185,14 +197,12 @@ impl Predictor {
     /// ([`Predictor::knows_blows`]).
     pub fn predict(&self, hit: &Hit, scratch: &mut Scratch, out: &mut Vec<(u32, Vec3)>) -> Prediction {
         out.clear();
-        let (model, x) = match hit.told {
-            Told::Blow(blow) => match &self.blow {
-                Some(model) => (model, blow_point(&blow, hit.contact, hit.normal, self.diagonal, &self.typical)),
-                None => return Prediction::default(),
-            },
-            Told::Displacement(u) => {
-                (&self.displacement, displacement_point(u, hit.contact, hit.normal, self.diagonal))
-            }
+        let displacement = matches!(hit.told, Told::Displacement(_));
+        let model = if displacement { Some(&self.displacement) } else { self.blow.as_ref() };
+        let Some(model) = model else { return Prediction::default() };
+        let x = match hit.told {
+            Told::Strike(strike) => Some(point(hit.contact, hit.normal, self.diagonal, &strike)),
+            Told::Displacement(u) => displacement_point(u, hit.contact, hit.normal, self.diagonal),
         };
         let Some(x) = x.filter(|x| x.iter().all(|v| v.is_finite())) else { return Prediction::default() };
         let n = model.rows.len();
@@ -208,7 +218,7 @@ impl Predictor {
         }
         let told = match hit.told {
             Told::Displacement(u) => Some(u.length()),
-            Told::Blow(_) => None,
+            Told::Strike(_) => None,
         };
         let strength = if told.is_some() { x[STRENGTH_AXIS] } else { log };
         let wide = exp((model.stretch * (strength - model.reference)).clamp(-1.4, 1.4));
@@ -223,7 +233,8 @@ impl Predictor {
         let view = View::new(&self.frames, hit.contact, hit.normal, self.diagonal, wide);
         view.turned(&s.stamp, v, &mut s.turned);
         let mut squares = 0.0f64;
-        for ((p, n), u) in self.points.iter().zip(&self.normals).zip(s.field.as_chunks_mut::<3>().0) {
+        let points = self.points.iter().zip(&self.normals).zip(s.field.as_chunks_mut::<3>().0);
+        for (v, ((p, n), u)) in points.enumerate() {
             let distance = (*p - hit.contact).length();
             if distance >= END * self.reach {
                 *u = [0.0; 3];
@@ -231,7 +242,7 @@ impl Predictor {
             }
             let mut sum = Vec3::from_array(*u) * w;
             if let Some(cell) = view.cell(*p, *n) {
-                sum += read(&s.turned, &cell);
+                sum += read(&s.turned, &cell) * held(&self.held, v);
             }
             if distance > self.reach {
                 let t = (distance / self.reach - END) / (1.0 - END);

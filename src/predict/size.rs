@@ -19,12 +19,12 @@ const PRECISION: f64 = 0.5;
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct SizeLaw {
     /// Level, and exponents of strength, mass and radius.
-    law: [f64; 4],
-    factors: [f64; GROUPS],
-    mean: f64,
-    coefficients: Vec<f64>,
+    pub law: [f64; 4],
+    pub factors: [f64; GROUPS],
+    pub mean: f64,
+    pub coefficients: Vec<f64>,
     /// Strengths (logarithms), rising.
-    knots: Vec<f64>,
+    pub knots: Vec<f64>,
 }
 
 impl SizeLaw {

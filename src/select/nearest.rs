@@ -176,7 +176,7 @@ mod tests {
             for contact in (0..2500).step_by(97) {
                 let direction = Vec3::new(0.03, 0.01 * (contact % 4) as f32, -1.0).normalize();
                 let normal = set.mesh().contact_normal(contact);
-                let target = HitTarget { contact, normal, direction, size: 0.7, strike: None };
+                let target = HitTarget { contact, normal, direction, size: 0.7, strike: None, told: None };
                 let hit = HitQuery::new(&set, &target, 1.3);
                 let mut search = Search { set: &set, hit: &hit, shortlist: Shortlist::new(), alone: None };
                 all.iter().enumerate().for_each(|(i, c)| search.look_at(i, c));

@@ -49,7 +49,7 @@ impl<'a> HitQuery<'a> {
     /// A hit with this target. `place_width` is the width of the place axes of carried examples, as a share of the
     /// diagonal.
     pub(crate) fn new(set: &'a ExampleSet, target: &HitTarget, place_width: f32) -> Self {
-        let HitTarget { contact, normal, direction, size, strike } = *target;
+        let HitTarget { contact, normal, direction, size, strike, .. } = *target;
         let candidates = set.candidates();
         let lean = normal.map_or(Vec3::ZERO, |n| direction - n * n.dot(direction));
         // The direction of an impulse, or a displacement constructed along the normal, does not tell how a dent leans.

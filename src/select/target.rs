@@ -5,7 +5,8 @@ use super::landing::Landing;
 use crate::base::error::Error;
 use crate::base::error::positive;
 use crate::base::math::to_f32;
-use crate::damage::mark::MAX_PAIRS;
+use crate::damage::mark::{MAX_PAIRS, Mark};
+use crate::damage::told::{Told, predicted};
 use crate::example::blow::Blow;
 use crate::example::response::Strike;
 use crate::example::set::ExampleSet;
@@ -59,6 +60,8 @@ pub(crate) struct HitTarget {
     pub size: f32,
     /// The blow, if the target was predicted from it.
     pub strike: Option<Strike>,
+    /// The same in a set that has learned.
+    pub told: Option<Told>,
 }
 
 /// Computes the target of a hit. There is none if the hit is too weak; the outcome's status is then `BelowYield`.
@@ -79,12 +82,18 @@ pub(crate) fn resolve(set: &ExampleSet, p: &HitParams, hit: &Hit) -> Result<(Out
         let v = DVec3::from_array(v.map(f64::from));
         if hit.space == Space::World { p.world_to_local * v } else { v }
     };
+    let mut told = None;
     let (target, strike, weak) = match hit.cause {
         Cause::Displacement(d) => (vector(d), None, false),
         Cause::Impulse { blow, mass: m } => {
             let impulse = impulse_of(&blow)?;
             let weak = DVec3::from_array(impulse.map(f64::from)).length() < f64::from(p.yield_impulse);
             match set.response() {
+                Some(_) if let Some(rule) = set.rule().filter(|rule| rule.knows_blows()) => {
+                    let blow = p.local_blow(&blow, hit.space);
+                    told = normal.and_then(|n| rule.strike(&blow, n)).map(Told::Strike);
+                    (told.map_or(DVec3::ZERO, |told| aimed(set, contact.vertex, &told)), None, weak)
+                }
                 Some(response) => {
                     let blow = p.local_blow(&blow, hit.space);
                     let at = set.mesh().positions()[contact.vertex as usize];
@@ -125,7 +134,16 @@ pub(crate) fn resolve(set: &ExampleSet, p: &HitParams, hit: &Hit) -> Result<(Out
     outcome.clamped = length > f64::from(limit) && p.selection != Selection::ClassicUnclamped;
     let size = if outcome.clamped { limit } else { length.min(f64::from(f32::MAX)) as f32 };
     let direction = (target / length).as_vec3();
-    Ok((outcome, Some(HitTarget { contact: contact.vertex, normal, direction, size, strike })))
+    Ok((outcome, Some(HitTarget { contact: contact.vertex, normal, direction, size, strike, told })))
+}
+
+/// The displacement of a contact that the set predicts of a blow, m.
+fn aimed(set: &ExampleSet, contact: u32, told: &Told) -> DVec3 {
+    let normal = set.mesh().contact_normal(contact).unwrap_or(Vec3::Z);
+    let mark = Mark { contact, depth: 1.0, energy: Mark::ONE, pairs: told.pairs(normal) };
+    let rows = set.base_lod().rows.as_ref();
+    let at = predicted(set, &mark).zip(rows).map(|((field, _), rows)| field.at_vertex(rows, contact));
+    at.unwrap_or_default().as_dvec3()
 }
 
 fn check(hit: &Hit) -> Result<(), Error> {

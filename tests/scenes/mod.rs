@@ -348,6 +348,14 @@ pub fn following((name, set): Body) -> Body {
     (name, Arc::new(set))
 }
 
+/// The same body with a set that has also learned to predict hits.
+pub fn learned(body: Body) -> Body {
+    let (name, set) = following(body);
+    let mut set = ExampleSet::load_copy(&set.save().unwrap(), &Serial).unwrap();
+    set.learn_rule(&Serial).unwrap();
+    (name, Arc::new(set))
+}
+
 /// A solver body with its first `count` examples in the given placement.
 pub fn solver_set(body: &str, count: usize, placement: Placement) -> Arc<ExampleSet> {
     let (mesh, mut examples) = solver(body);

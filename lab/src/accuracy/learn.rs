@@ -1,13 +1,13 @@
 //! Error against the number of examples, up to hundreds, on every body: the rule that learns from all examples, beside
 //! 0.1.0's, a radial falloff and the classic rule. Told the blow, or the displacement that the truth left at the contact.
 
-use std::collections::BTreeMap;
+use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::Result;
-use crumple::glam::Vec3;
-use crumple::predict::{self, LearnOptions, Predictor, Scratch, Told};
-use crumple::{Hit, InstanceOptions, Mirror, Placement, Rule, Selection, Serial, SetOptions};
+use crumple::{
+    BasisOptions, ExampleSet, Hit, Instance, InstanceOptions, Placement, Rule, Selection, Serial, SetOptions,
+};
 
 use super::law::{Law, Sees};
 use super::radial::Radial;
@@ -19,12 +19,14 @@ use crate::truth::{Body, Field, Impact, Truth};
 
 /// Hits that leave less than this at the contact are left out, m.
 const WEAK: f64 = 2e-3;
+/// Of the nodes that vertices follow, m.
+const TOLERANCE: f32 = 5e-4;
 /// Above every dent, m.
 const DEEP: f32 = 1.0;
 /// Largest number of examples of a quick run.
 const QUICK: usize = 24;
 
-const COLUMNS: [&str; 17] = [
+const COLUMNS: [&str; 16] = [
     "truth",
     "body",
     "test",
@@ -36,7 +38,6 @@ const COLUMNS: [&str; 17] = [
     "rel_l2_p75",
     "rel_l2_p90",
     "log_size_error_median",
-    "expected_error_median",
     "left_out_error_median",
     "us_per_hit",
     "learn_s",
@@ -47,7 +48,6 @@ const COLUMNS: [&str; 17] = [
 /// What was measured of a method beside its fields.
 #[derive(Default)]
 struct Costs {
-    expected: Vec<f64>,
     left_out: Vec<f64>,
     us: Vec<f64>,
     learn_s: f64,
@@ -59,10 +59,10 @@ pub fn run(options: &Options) -> Result<()> {
     table.comment("command", "cargo xtask lab --only learn");
     table.comment("error", "relative L2 of the displacement field over all vertices; 1 is no dent at all");
     table.comment("left out", format!("hits that leave less than {} mm at the contact", 1e3 * WEAK));
-    table.comment("told", "blow: contact point and normal, velocity, mass, radius and kind of the striker (learned), the same and the impulse, no kind (crumple)");
+    table.comment("told", "blow: contact point and normal, impulse, velocity, mass and radius of the striker");
     table.comment("log_size_error", "of the root of the sum of squares of the field, natural logarithm");
-    table.comment("us_per_hit", "learned: from the hit to the displacements of all vertices");
-    table.comment("methods", "learned: predict; crumple: 0.1.0's three nearest examples; classic: the literature's rule, told the displacement of a law");
+    table.comment("us_per_hit", "learned: from the hit to the displacements of the nodes, the first time");
+    table.comment("methods", "learned: a set that has learned; crumple: its three nearest examples; classic: the literature's rule, told the displacement of a law");
     for truth in Truth::ALL.into_iter().chain([Truth::Dense]) {
         for name in truth.bodies() {
             let mut body = Body::read(truth, name)?;
@@ -110,7 +110,6 @@ fn case(body: &Body, options: &Options, table: &mut Table) -> Result<()> {
                     quantile(&errors, 0.75),
                     quantile(&errors, 0.9),
                     median(&sizes),
-                    or_nothing(&costs.expected),
                     or_nothing(&costs.left_out),
                     or_nothing(&costs.us),
                     if costs.learn_s > 0.0 { costs.learn_s } else { f64::NAN },
@@ -119,13 +118,13 @@ fn case(body: &Body, options: &Options, table: &mut Table) -> Result<()> {
                 let tail = [costs.bytes.to_string(), hits.len().to_string()];
                 table.row(head.into_iter().chain([n.to_string()]).chain(numbers).chain(tail))
             };
-            let (fields, costs) = learned(&known, &hits, blows)?;
-            add("learned", &fields, &costs)?;
-            let ours = InstanceOptions { depth_limit: Some(DEEP), ..InstanceOptions::default() };
             let hit = |i: &Impact| match &i.blow {
                 Some(blow) if blows => Hit::blow(i.point, scene::blow(&blow.in_engine())),
                 _ => scene::hit(i),
             };
+            let (fields, costs) = learned(&automatic, &hits.iter().map(|i| hit(i)).collect::<Vec<_>>())?;
+            add("learned", &fields, &costs)?;
+            let ours = InstanceOptions { depth_limit: Some(DEEP), ..InstanceOptions::default() };
             let fields = hits.iter().map(|i| scene::field_after(&automatic, &ours, &[hit(i)]));
             add("crumple", &fields.collect::<Result<Vec<_>>>()?, &Costs::default())?;
             let law = Law::fit(&known.train, Sees::Striker);
@@ -153,99 +152,27 @@ fn case(body: &Body, options: &Options, table: &mut Table) -> Result<()> {
     Ok(())
 }
 
-/// The fields of the rule that learns from all examples.
-fn learned(body: &Body, hits: &[&Impact], blows: bool) -> Result<(Vec<Field>, Costs)> {
-    let points: Vec<Vec3> = body.vertices.iter().map(|p| Vec3::from_array(*p)).collect();
-    let normals: Vec<Vec3> = body.normals.iter().map(|n| Vec3::from_array(*n)).collect();
-    let (low, high) = points.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(a, b), p| (a.min(*p), b.max(*p)));
-    let centre = 0.5 * (low + high);
-    let mirror = planes(&points, low, high);
-    let fields: Vec<Vec<Vec3>> =
-        body.train.iter().map(|i| i.field.iter().map(|u| Vec3::from_array(*u)).collect()).collect();
-    let mut sources = BTreeMap::new();
-    let samples: Vec<predict::Sample> = body
-        .train
-        .iter()
-        .zip(&fields)
-        .map(|(impact, field)| {
-            let next = sources.len() as u32;
-            predict::Sample {
-                contact: Vec3::from_array(impact.point),
-                normal: normal(body, impact),
-                blow: blow(impact).filter(|_| blows),
-                field,
-                source: *sources.entry(impact.source.clone()).or_insert(next),
-            }
-        })
-        .collect();
+/// The fields of a set that has learned from all of its examples.
+fn learned(set: &ExampleSet, hits: &[Hit]) -> Result<(Vec<Field>, Costs)> {
+    let mut set = ExampleSet::load_copy(&set.save()?, &Serial)?;
     let start = Instant::now();
-    let body_now = predict::Body { points: &points, normals: &normals, mirror, centre };
-    let predictor = Predictor::learn(&body_now, &samples, &LearnOptions::default(), &Serial)?;
-    let mut costs = Costs {
-        learn_s: start.elapsed().as_secs_f64(),
-        bytes: predictor.bytes(),
-        left_out: predictor.learned().errors.iter().map(|e| f64::from(*e)).collect(),
-        ..Costs::default()
-    };
-    let (mut scratch, mut moved) = (Scratch::default(), Vec::new());
+    set.learn_basis(&BasisOptions::new(TOLERANCE), &Serial)?;
+    let before = set.memory_bytes();
+    let left_out = set.learn_rule(&Serial)?.into_iter().map(f64::from).collect();
+    let mut costs = Costs { learn_s: start.elapsed().as_secs_f64(), left_out, ..Costs::default() };
+    costs.bytes = set.memory_bytes() - before;
+    let set = Arc::new(set);
+    let ours = InstanceOptions { depth_limit: Some(DEEP), ..InstanceOptions::default() };
     let mut out = Vec::new();
-    for impact in hits {
-        let told = match blow(impact) {
-            Some(blow) if blows => Told::Blow(blow),
-            _ => Told::Displacement(Vec3::from_array(impact.displacement)),
-        };
-        let hit = predict::Hit { contact: Vec3::from_array(impact.point), normal: normal(body, impact), told };
-        let mut times = Vec::new();
-        for _ in 0..5 {
-            let start = Instant::now();
-            let prediction = predictor.predict(&hit, &mut scratch, &mut moved);
-            times.push(1e6 * start.elapsed().as_secs_f64());
-            if times.len() == 1 {
-                costs.expected.push(f64::from(prediction.expected_error));
-            }
-        }
-        costs.us.push(median(&times));
-        let mut field = vec![[0.0; 3]; points.len()];
-        moved.iter().for_each(|(v, u)| field[*v as usize] = u.to_array());
-        out.push(field);
+    for hit in hits {
+        let mut body = Instance::new(set.clone(), ours)?;
+        let start = Instant::now();
+        body.submit(hit)?;
+        body.fold();
+        costs.us.push(1e6 * start.elapsed().as_secs_f64());
+        out.push(scene::displacements(&mut body)?);
     }
     Ok((out, costs))
-}
-
-/// The coordinate planes that map every vertex onto a vertex.
-fn planes(points: &[Vec3], low: Vec3, high: Vec3) -> Mirror {
-    let tolerance = 1e-3 * (high - low).length();
-    let key = |p: Vec3| (p / tolerance).round().as_ivec3();
-    let mut cells: BTreeMap<[i32; 3], Vec<Vec3>> = BTreeMap::new();
-    points.iter().for_each(|p| cells.entry(key(*p).to_array()).or_default().push(*p));
-    let near = |p: Vec3| {
-        let k = key(p);
-        let shifts = (0..27).map(|s| k + crumple::glam::IVec3::new(s / 9 - 1, s / 3 % 3 - 1, s % 3 - 1));
-        shifts.into_iter().filter_map(|k| cells.get(&k.to_array())).flatten().any(|q| (*q - p).length() < tolerance)
-    };
-    let mapped = |axis: usize| {
-        (high - low)[axis] > 0.1 * (high - low).length()
-            && points.iter().all(|p| {
-                let mut image = *p;
-                image[axis] = low[axis] + high[axis] - image[axis];
-                near(image)
-            })
-    };
-    Mirror::from_bits((0..3).filter(|axis| mapped(*axis)).map(|axis| 1 << axis).sum())
-}
-
-fn normal(body: &Body, impact: &Impact) -> Vec3 {
-    Vec3::from_array(impact.blow.map_or(body.normals[impact.contact_vertex as usize], |b| b.normal))
-}
-
-fn blow(impact: &Impact) -> Option<predict::Blow> {
-    impact.blow.map(|b| predict::Blow {
-        velocity: Some(Vec3::from_array(b.velocity)),
-        impulse: None,
-        mass: Some(b.mass),
-        radius: Some(b.radius),
-        kind: Some(u32::from(b.pole)),
-    })
 }
 
 /// Root of the sum of squares, m.

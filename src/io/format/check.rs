@@ -89,12 +89,7 @@ pub(super) fn rows(rows: &Rows, weld: &[u32], nodes: usize) -> Result<(), Error>
         return Err(wrong("the length of section tile nodes", rows.nodes.len(), format!("{first}, as tiles have")));
     }
     let row = |v: usize| {
-        let (tile, at) = (v / TILE, v % TILE);
-        let weights = rows.weights_of(tile).chunks_exact(2 * TILE).flat_map(move |p| [p[2 * at], p[2 * at + 1]]);
-        let mut row: Vec<(u32, i32)> = Vec::new();
-        for (node, weight) in rows.nodes_of(tile).iter().zip(weights).filter(|(_, w)| *w != 0) {
-            row.push((*node, weight.into()));
-        }
+        let mut row: Vec<(u32, i32)> = rows.of(v as u32).collect();
         row.sort_unstable();
         row
     };

@@ -66,6 +66,7 @@ pub(super) enum Id {
     Masses = 4,
     Stamps = 5,
     Nodes = 6,
+    Rule = 7,
     Mesh = 16,
     Positions = 17,
     Normals = 18,
@@ -91,13 +92,14 @@ pub(super) enum Id {
 }
 
 impl Id {
-    pub(super) const ALL: [Id; 28] = [
+    pub(super) const ALL: [Id; 29] = [
         Id::Set,
         Id::Examples,
         Id::Names,
         Id::Masses,
         Id::Stamps,
         Id::Nodes,
+        Id::Rule,
         Id::Mesh,
         Id::Positions,
         Id::Normals,
@@ -139,6 +141,7 @@ impl Id {
             Id::Masses => "masses",
             Id::Stamps => "stamps",
             Id::Nodes => "nodes",
+            Id::Rule => "rule",
             Id::Mesh => "mesh",
             Id::Positions => "positions",
             Id::Normals => "normals",

@@ -17,6 +17,7 @@ use crate::example::learned::Learned;
 use crate::example::mesh_lod::MeshLod;
 use crate::example::options::{Seams, SetOptions, VertexMass, check_options};
 use crate::example::report::LodReport;
+use crate::example::rule::LearnedRule;
 use crate::example::set::{ExampleSet, MAX_MESHES, Parts, check_order, deepest};
 use crate::example::stamp::{Grid, Node, NodeSteps, Stamp, StampError};
 use crate::mesh::limits::{Halves, Limits, half, whole};
@@ -57,7 +58,8 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
     let stamps = stamps(&file, &records)?;
     check_all(&meshes, sound, tasks)?;
     let nodes = if follows { meshes.pop() } else { None };
-    let rows = nodes.as_ref().map(|nodes| rows(&file, &meshes[0].mesh, nodes)).transpose()?;
+    let each = |nodes: &MeshLod| (0..).zip(&meshes).map(|(k, lod)| rows(&file, k, &lod.mesh, nodes)).collect();
+    let rows: Option<Vec<Rows>> = nodes.as_ref().map(each).transpose()?;
     let mut meshes = meshes.into_iter();
     let Some(base) = meshes.next() else { return Err(wrong("the number of meshes", 0, "at least 1")) };
     let lods = (1..).zip(meshes).map(|(k, lod)| {
@@ -94,20 +96,27 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
         widest_weld: record.widest_weld,
         source_order: (!order.is_empty()).then_some(order),
     });
+    let rule: Array<u8> = file.array(Id::Rule, 0)?;
+    if !rule.is_empty() {
+        let Some(nodes) = nodes.as_ref().filter(|nodes| nodes.mesh.normals().is_some()) else {
+            return Err(wrong("section rule", "there", "absent where vertices have no normals or follow no nodes"));
+        };
+        set.set_rule(LearnedRule::from_bytes((set.mesh(), nodes), planes, rule.to_vec())?);
+    }
     if let (Some(nodes), Some(rows)) = (nodes, rows) {
         set.follow(nodes, rows);
     }
     Ok(set)
 }
 
-/// How the base mesh follows nodes.
-fn rows(file: &File<'_>, mesh: &Mesh, nodes: &MeshLod) -> Result<Rows, Error> {
+/// How mesh `k` follows nodes.
+fn rows(file: &File<'_>, k: u32, mesh: &Mesh, nodes: &MeshLod) -> Result<Rows, Error> {
     let vertices = mesh.positions().len();
     let rows = Rows {
-        tiles: file.array_of(Id::Tiles, 0, vertices.div_ceil(TILE))?,
-        nodes: file.array(Id::TileNodes, 0)?,
-        weights: file.array(Id::Weights, 0)?,
-        slopes: file.array(Id::Slopes, 0)?,
+        tiles: file.array_of(Id::Tiles, k, vertices.div_ceil(TILE))?,
+        nodes: file.array(Id::TileNodes, k)?,
+        weights: file.array(Id::Weights, k)?,
+        slopes: file.array(Id::Slopes, k)?,
     };
     let weights = TILE * rows.nodes.len();
     if rows.weights.len() != weights {

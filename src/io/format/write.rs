@@ -46,6 +46,9 @@ impl<'a> File<'a> {
             let farthest = k.checked_sub(1).map_or(0.0, |lod| set.report().lods[lod].farthest);
             file.mesh_lod(k as u32, lod, farthest);
         }
+        if let Some(rule) = set.rule() {
+            file.pieces(Id::Rule, 0, 1, vec![Cow::Borrowed(rule.as_bytes())]);
+        }
         if let Some(nodes) = set.nodes() {
             file.mesh_lod(set.lod_count() as u32, &nodes.lod, 0.0);
         }

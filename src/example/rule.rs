@@ -1,0 +1,181 @@
+//! The rule that predicts a hit from all examples of a set at once, as displacements of the set's nodes.
+
+use crate::base::error::Error;
+use crate::base::tasks::TaskSystem;
+use crate::basis::field::NodeField;
+use crate::mesh::Mesh;
+use crate::mesh::mirror::Mirror;
+use crate::predict::{Blow, Body, Hit, LearnOptions, Prediction, Predictor, Sample, Scratch, Strike};
+use glam::Vec3;
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex};
+
+use super::blow;
+use super::example::Example;
+use super::mesh_lod::MeshLod;
+
+/// Predictions that are kept, since a hit is predicted when it is submitted and again when it is folded.
+const RECENT: usize = 64;
+
+/// What tells two predictions apart: the contact, and the hit's numbers as a mark stores them.
+pub(crate) type Key = [u32; 6];
+
+/// A learned rule, and its latest predictions.
+#[derive(Debug)]
+pub(crate) struct LearnedRule {
+    predictor: Predictor,
+    bytes: Vec<u8>,
+    recent: Mutex<Recent>,
+}
+
+#[derive(Debug, Default)]
+struct Recent {
+    fields: VecDeque<(Key, Arc<NodeField>)>,
+    scratch: Vec<Scratch>,
+}
+
+/// The points and planes of a body with these nodes, and what they take of carried dents.
+struct Points {
+    normals: Vec<Vec3>,
+    held: Vec<f32>,
+    mirror: Mirror,
+    centre: Vec3,
+}
+
+impl Points {
+    fn of(nodes: &MeshLod, base: &Mesh, mirror: Mirror) -> Self {
+        let count = nodes.vertex_count();
+        let bounds = base.bounds();
+        let held =
+            if nodes.rim.is_open() { Vec::new() } else { (0..count as u32).map(|v| nodes.rim.at(v).factor).collect() };
+        Points {
+            normals: nodes.mesh.normals().map_or_else(|| vec![Vec3::ZERO; count], <[Vec3]>::to_vec),
+            held,
+            mirror,
+            centre: bounds.min + (bounds.max - bounds.min) * 0.5,
+        }
+    }
+
+    fn body<'a>(&'a self, nodes: &'a MeshLod) -> Body<'a> {
+        let Points { normals, held, mirror, centre } = self;
+        Body { points: nodes.mesh.positions(), normals, mirror: *mirror, centre: *centre, held }
+    }
+}
+
+impl LearnedRule {
+    /// Learns from the examples as they are on the nodes. `mirror` are the planes in which the body is symmetric.
+    ///
+    /// # Errors
+    /// Those of [`Predictor::learn`].
+    pub(crate) fn learn(
+        (base, nodes): (&Mesh, &MeshLod),
+        examples: &[Example],
+        mirror: Mirror,
+        tasks: &dyn TaskSystem,
+    ) -> Result<Self, Error> {
+        let points = Points::of(nodes, base, mirror);
+        let fields: Vec<Vec<Vec3>> = (0..examples.len())
+            .map(|i| {
+                let mut field = vec![Vec3::ZERO; nodes.vertex_count()];
+                nodes.anchored[i].iter().for_each(|(v, d, _)| field[v as usize] = d);
+                field
+            })
+            .collect();
+        let samples: Vec<Sample<'_>> = examples
+            .iter()
+            .zip(&fields)
+            .zip(sources(examples, &fields))
+            .filter(|((e, _), _)| !e.is_empty())
+            .map(|((e, field), source)| Sample {
+                contact: e.contact_point(),
+                normal: e.contact_normal().unwrap_or(Vec3::Z),
+                blow: Some(known_blow(e.blow())).filter(|b| b.velocity.or(b.impulse).is_some()),
+                field,
+                moved: Some(e.contact_displacement()),
+                source,
+            })
+            .collect();
+        let predictor = Predictor::learn(&points.body(nodes), &samples, &LearnOptions::default(), tasks)?;
+        let bytes = predictor.to_bytes()?;
+        Ok(LearnedRule { predictor, bytes, recent: Mutex::default() })
+    }
+
+    /// The rule of a set from [`LearnedRule::as_bytes`].
+    ///
+    /// # Errors
+    /// [`Error::Format`].
+    pub(crate) fn from_bytes((base, nodes): (&Mesh, &MeshLod), mirror: Mirror, bytes: Vec<u8>) -> Result<Self, Error> {
+        let points = Points::of(nodes, base, mirror);
+        let predictor = Predictor::from_bytes(&points.body(nodes), &bytes)?;
+        Ok(LearnedRule { predictor, bytes, recent: Mutex::default() })
+    }
+
+    pub(crate) fn as_bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
+    /// What was learned, example by example.
+    pub(crate) fn errors(&self) -> &[f32] {
+        &self.predictor.learned().errors
+    }
+
+    /// Whether blows can be predicted: some example knows its own.
+    pub(crate) fn knows_blows(&self) -> bool {
+        self.predictor.knows_blows()
+    }
+
+    /// What is known of a blow on a surface with this unit normal. `None` if it points out of the body.
+    pub(crate) fn strike(&self, blow: &blow::Blow, normal: Vec3) -> Option<Strike> {
+        self.predictor.strike(&known_blow(blow), normal)
+    }
+
+    /// Predicts the displacements of the nodes by a hit alone. `key` must tell all hits apart.
+    pub(crate) fn predict(&self, key: Key, hit: &Hit) -> Arc<NodeField> {
+        let mut scratch = {
+            let mut recent = self.recent.lock().unwrap_or_else(|e| e.into_inner());
+            if let Some((_, field)) = recent.fields.iter().find(|(k, _)| *k == key) {
+                return field.clone();
+            }
+            recent.scratch.pop().unwrap_or_default()
+        };
+        let mut moved = Vec::new();
+        let _: Prediction = self.predictor.predict(hit, &mut scratch, &mut moved);
+        // Numbers of a file may be anything finite.
+        if moved.iter().any(|(_, u)| !u.is_finite()) {
+            moved.clear();
+        }
+        let field = Arc::new(NodeField::new(&moved));
+        let mut recent = self.recent.lock().unwrap_or_else(|e| e.into_inner());
+        recent.scratch.push(scratch);
+        recent.fields.truncate(RECENT - 1);
+        recent.fields.push_front((key, field.clone()));
+        field
+    }
+
+    /// Memory used, bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        let recent = self.recent.lock().unwrap_or_else(|e| e.into_inner());
+        let fields: usize = recent.fields.iter().map(|(_, field)| field.bytes()).sum();
+        self.predictor.bytes() + self.bytes.len() + fields
+    }
+}
+
+/// For each example the first of its simulation: mirror images of one dent are as deep and as large.
+fn sources(examples: &[Example], fields: &[Vec<Vec3>]) -> Vec<u32> {
+    /// Relative difference.
+    const SAME: f32 = 1e-3;
+    let size = |field: &Vec<Vec3>| field.iter().map(|u| f64::from(u.length_squared())).sum::<f64>().sqrt() as f32;
+    let dents: Vec<(f32, f32)> = examples.iter().zip(fields).map(|(e, f)| (e.depth(), size(f))).collect();
+    let same = |(a, b): (f32, f32), (c, d): (f32, f32)| (a - c).abs() <= SAME * a && (b - d).abs() <= SAME * b;
+    (0..dents.len()).map(|i| (0..i).find(|j| same(dents[i], dents[*j])).unwrap_or(i) as u32).collect()
+}
+
+fn known_blow(blow: &blow::Blow) -> Blow {
+    Blow {
+        velocity: blow.striker.velocity.map(Vec3::from),
+        impulse: blow.impulse.map(Vec3::from),
+        mass: blow.striker.mass,
+        radius: blow.striker.radius,
+        kind: None,
+    }
+}

@@ -1,0 +1,277 @@
+//! Sets that have learned to predict hits from all of their examples at once. tests/promises.rs holds the promises that all bodies
+//! share.
+
+mod scenes;
+
+use std::sync::Arc;
+
+use crumple::glam::Vec3;
+use crumple::{
+    BasisOptions, Blow, Error, ExampleData, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, Mark, MeshData,
+    Pair, Serial, SetOptions, Striker, ThreadPool, map_damage,
+};
+use proptest::prelude::*;
+use scenes::{Dice, Output, build, displacements, new, relative_l2};
+
+/// A sheet whose dents go with the root of the blow's energy, and are three times as deep on the right as on the left.
+struct Soft {
+    mesh: MeshData,
+}
+
+impl Soft {
+    fn new() -> Self {
+        Soft { mesh: scenes::sheet(24) }
+    }
+
+    /// A vertex away from the edges.
+    fn place(&self, dice: &mut Dice) -> u32 {
+        let at = [0, 1].map(|_| dice.between(0.15, 0.85));
+        scenes::nearest(&self.mesh, [at[0], at[1], 0.0])
+    }
+
+    fn depth(&self, vertex: u32, energy: f32) -> f32 {
+        0.002 * energy.sqrt() * (0.5 + self.mesh.positions[vertex as usize][0])
+    }
+
+    fn example(&self, vertex: u32, energy: f32) -> ExampleData {
+        let depth = self.depth(vertex, energy);
+        ExampleData { blow: blow(energy, 5.0), ..scenes::bowl(&self.mesh, vertex, depth, 0.25) }
+    }
+
+    fn examples(&self, count: usize, seed: u64) -> Vec<ExampleData> {
+        let mut dice = Dice::new(seed);
+        (0..count).map(|_| self.example(self.place(&mut dice), dice.between(20.0, 400.0))).collect()
+    }
+
+    fn set(&self, count: usize) -> Arc<ExampleSet> {
+        learned(&build(self.mesh.clone(), self.examples(count, 5), SetOptions::default()))
+    }
+}
+
+fn blow(energy: f32, mass: f32) -> Blow {
+    let velocity = Some([0.0, 0.0, -(2.0 * energy / mass).sqrt()]);
+    Blow::of_striker(Striker { mass: Some(mass), velocity, radius: Some(0.1) })
+}
+
+fn learned(set: &ExampleSet) -> Arc<ExampleSet> {
+    let mut set = ExampleSet::load_copy(&set.save().unwrap(), &Serial).unwrap();
+    set.learn_basis(&BasisOptions::new(0.01 * set.depth_limit()), &ThreadPool::new(2).unwrap()).unwrap();
+    let errors = set.learn_rule(&ThreadPool::new(2).unwrap()).unwrap();
+    assert_eq!(errors.len(), set.examples().len());
+    Arc::new(set)
+}
+
+fn hit(set: &ExampleSet, vertex: u32, energy: f32) -> Hit {
+    Hit::blow(set.mesh().positions()[vertex as usize].to_array(), blow(energy, 5.0))
+}
+
+fn after(set: &Arc<ExampleSet>, hit: &Hit) -> Vec<Vec3> {
+    let mut body = new(set);
+    body.submit(hit).unwrap();
+    displacements(&mut body)
+}
+
+#[test]
+fn an_example_s_own_blow_gives_the_example() {
+    let soft = Soft::new();
+    let set = soft.set(20);
+    for e in set.examples() {
+        let told = [
+            Hit::blow(e.contact_point().to_array(), *e.blow()),
+            scenes::push(e.contact_point().to_array(), e.contact_displacement().to_array()),
+        ];
+        for hit in &told {
+            let error =
+                relative_l2(&after(&set, hit), &(0..set.vertex_count() as u32).map(|v| e.delta(v)).collect::<Vec<_>>());
+            assert!(error < 0.05, "{}: {error}", e.name());
+        }
+    }
+}
+
+#[test]
+fn more_examples_are_nearer_to_the_truth() {
+    let soft = Soft::new();
+    let mut dice = Dice::new(91);
+    let unseen: Vec<(u32, f32)> = (0..16).map(|_| (soft.place(&mut dice), dice.between(30.0, 300.0))).collect();
+    let errors = |count: usize| {
+        let set = soft.set(count);
+        let mut errors: Vec<f64> = unseen
+            .iter()
+            .map(|(v, energy)| {
+                let ought = build(soft.mesh.clone(), vec![soft.example(*v, *energy)], SetOptions::default());
+                let ought: Vec<Vec3> = (0..ought.vertex_count() as u32).map(|v| ought.examples()[0].delta(v)).collect();
+                relative_l2(&after(&set, &hit(&set, *v, *energy)), &ought)
+            })
+            .collect();
+        errors.sort_by(f64::total_cmp);
+        errors[8]
+    };
+    let [few, many] = [6, 48].map(errors);
+    assert!(many < 0.12 && many < 0.6 * few, "{few} with 6 examples, {many} with 48");
+}
+
+#[test]
+fn harder_blows_are_never_shallower_and_weak_ones_leave_nothing() {
+    let set = Soft::new().set(20);
+    let mut dice = Dice::new(7);
+    for _ in 0..12 {
+        let v = Soft::new().place(&mut dice);
+        let depths: Vec<f32> = (0..40)
+            .map(|k| {
+                let outcome = new(&set).preview(&hit(&set, v, 0.05 * 1.4f32.powi(k))).unwrap();
+                Vec3::from(outcome.achieved).length()
+            })
+            .collect();
+        // Marks store a blow's numbers to a thousandth.
+        assert!(depths.windows(2).all(|d| d[1] >= d[0] * 0.99), "{depths:?}");
+        assert_eq!(depths[0], 0.0, "a four-hundredth of the weakest example leaves nothing");
+        assert!(depths[39] > 0.0 && depths.iter().all(|d| *d <= set.depth_limit() * 1.001));
+    }
+}
+
+#[test]
+fn a_displacement_is_reached_at_its_contact() {
+    let set = Soft::new().set(20);
+    let mut dice = Dice::new(12);
+    for _ in 0..20 {
+        let v = Soft::new().place(&mut dice);
+        let wanted = Vec3::new(0.0, 0.0, -0.5 * set.depth_limit() * dice.between(0.1, 1.0));
+        let outcome =
+            new(&set).preview(&scenes::push(set.mesh().positions()[v as usize].to_array(), wanted.to_array()));
+        let achieved = Vec3::from(outcome.unwrap().achieved);
+        assert!((achieved.length() / wanted.length() - 1.0).abs() < 1e-3, "{achieved} of {wanted}");
+    }
+}
+
+#[test]
+fn a_hit_moves_nothing_far_away() {
+    let set = Soft::new().set(20);
+    let v = scenes::nearest(&Soft::new().mesh, [0.2, 0.2, 0.0]);
+    let moved = after(&set, &hit(&set, v, 100.0));
+    let at = set.mesh().positions()[v as usize];
+    let far = (0..set.vertex_count()).filter(|w| set.mesh().positions()[*w].distance(at) > 0.6);
+    assert!(far.into_iter().all(|w| moved[w] == Vec3::ZERO), "what ends at .25 in every example moves something at .6");
+}
+
+#[test]
+fn marks_hold_the_hit_and_survive_saving_and_another_set() {
+    let soft = Soft::new();
+    let set = soft.set(20);
+    let mut body = new(&set);
+    let mut dice = Dice::new(3);
+    for _ in 0..10 {
+        body.submit(&hit(&set, soft.place(&mut dice), dice.between(30.0, 200.0))).unwrap();
+    }
+    body.submit(&scenes::push([0.4, 0.6, 0.0], [0.0, 0.01, -0.03])).unwrap();
+    let marks = body.marks().unwrap().to_vec();
+    assert!(marks.len() == 11 && marks.iter().all(Mark::is_predicted));
+    let now = Output::fresh(&mut body).all_bits();
+    // The set from its file, and the damage from its bytes, give the same bits.
+    let again = Arc::new(ExampleSet::load_copy(&set.save().unwrap(), &Serial).unwrap());
+    assert_eq!((again.save().unwrap(), again.fingerprint()), (set.save().unwrap(), set.fingerprint()));
+    let mut loaded = new(&again);
+    loaded.load(&body.save()).unwrap();
+    assert_eq!(Output::fresh(&mut loaded).all_bits(), now);
+    // A set with more examples takes the hits and predicts them better.
+    let larger = soft.set(30);
+    assert!(matches!(new(&larger).load(&body.save()), Err(Error::DamageMismatch { .. })), "another fingerprint");
+    let (bytes, mapping) = map_damage(&set, &larger, &body.save(), 0.01).unwrap();
+    assert_eq!((mapping.kept, mapping.without_example), (11, 0));
+    let mut mapped = new(&larger);
+    mapped.load(&bytes).unwrap();
+    let error = relative_l2(&displacements(&mut mapped), &displacements(&mut body));
+    assert!(error > 1e-4 && error < 0.3, "{error}");
+}
+
+#[test]
+fn bad_marks_and_bodies_are_refused() {
+    let soft = Soft::new();
+    let plain = build(soft.mesh.clone(), soft.examples(6, 5), SetOptions::default());
+    let set = learned(&plain);
+    let mut body = new(&set);
+    body.submit(&hit(&set, 300, 100.0)).unwrap();
+    let mark = body.marks().unwrap()[0];
+    let refuses = |set: &Arc<ExampleSet>, mark: Mark, says: &str| {
+        let error = new(set).set_marks(&[mark]).unwrap_err().to_string();
+        assert!(error.contains(says), "{error}");
+    };
+    refuses(&plain, mark, "has not learned");
+    let mut other = mark;
+    other.pairs[0].share = 7;
+    refuses(&set, other, "told as a displacement (0) or a blow (1)");
+    let deaf: Vec<ExampleData> =
+        soft.examples(6, 5).into_iter().map(|e| ExampleData { blow: Blow::default(), ..e }).collect();
+    refuses(
+        &learned(&build(soft.mesh.clone(), deaf, SetOptions::default())),
+        mark,
+        "no example of the set knows its blow",
+    );
+    let mut early = ExampleSet::load_copy(&plain.save().unwrap(), &Serial).unwrap();
+    assert!(early.learn_rule(&Serial).unwrap_err().to_string().contains("call learn_basis first"));
+    // Marks of examples are still marks.
+    let pairs = [Pair::anchored(0, Pair::WHOLE), Pair::NONE, Pair::NONE, Pair::NONE];
+    let e = &set.examples()[0];
+    let mut mixed = new(&set);
+    mixed.set_marks(&[Mark::new(e.contact_vertex(), e.depth(), pairs), mark]).unwrap();
+    assert!(displacements(&mut mixed)[e.contact_vertex() as usize].length() > 0.9 * e.depth());
+}
+
+#[test]
+fn levels_of_detail_take_the_same_dent() {
+    let soft = Soft::new();
+    let mut set = ExampleSet::load_copy(&soft.set(20).save().unwrap(), &Serial).unwrap();
+    let lod = set.add_lod(scenes::sheet(11), &Serial).unwrap();
+    // Of the same body: a part of it, and the body itself.
+    let same = set.add_lod(soft.mesh.clone(), &Serial).unwrap();
+    let set = Arc::new(ExampleSet::load_copy(&set.save().unwrap(), &Serial).unwrap());
+    let mut body = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
+    body.submit(&hit(&set, 300, 200.0)).unwrap();
+    body.fold();
+    let show = |lod: usize| {
+        let mesh = set.lod_mesh(lod).unwrap();
+        let mut positions = vec![[0.0f32; 3]; mesh.positions().len()];
+        let mut tracker = crumple::Tracker::new();
+        let memory = crumple::VertexMemory::separate(&mut positions, None, None).unwrap();
+        crumple::deform(&mut [crumple::DeformJob { lod, instance: &body, tracker: &mut tracker, memory }], &Serial)
+            .unwrap();
+        positions
+    };
+    let base = show(0);
+    assert_eq!(show(same), base, "vertices at the same place move alike, bit for bit");
+    let (mut worst, mut deepest) = (0.0f32, 0.0f32);
+    for (p, now) in set.lod_mesh(lod).unwrap().positions().iter().zip(show(lod)) {
+        // The base mesh is fine enough that its nearest vertex tells the depth there.
+        let near = set.nearest_vertex(p.to_array()).unwrap();
+        let ought = Vec3::from(base[near.vertex as usize]) - set.mesh().positions()[near.vertex as usize];
+        worst = worst.max((Vec3::from(now) - *p).distance(ought) - 0.4 * near.distance);
+        deepest = deepest.max(ought.length());
+    }
+    assert!(worst < 0.05 * deepest, "{worst} of {deepest}");
+}
+
+proptest! {
+    #![proptest_config(scenes::cases(24))]
+
+    #[test]
+    fn whatever_a_file_says_a_set_is_usable_or_refused(seed in any::<u64>()) {
+        static FILE: std::sync::OnceLock<Vec<u8>> = std::sync::OnceLock::new();
+        let file = FILE.get_or_init(|| Soft::new().set(8).save().unwrap());
+        let mut dice = Dice::new(seed);
+        let mut bytes = file.clone();
+        for _ in 0..1 + dice.index(6) {
+            // Section rule begins with its length; damage anywhere does for it.
+            let at = 64 + dice.index(bytes.len() - 64);
+            bytes[at] = dice.next() as u8;
+        }
+        let checksum = crumple::file_checksum(&bytes, &Serial);
+        bytes[8..16].copy_from_slice(&checksum.to_le_bytes());
+        if let Ok(set) = ExampleSet::load_copy(&bytes, &Serial) {
+            let set = Arc::new(set);
+            let mut body = new(&set);
+            let outcome = body.submit(&hit(&set, 300, 100.0));
+            prop_assert!(outcome.is_ok_and(|o| o.status != HitStatus::Accumulated));
+            let limit = body.depth_limit();
+            prop_assert!(displacements(&mut body).iter().all(|u| u.length() <= limit * 1.001));
+        }
+    }
+}
