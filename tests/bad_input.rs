@@ -382,7 +382,7 @@ fn quick_a_blow_needs_an_impulse_and_good_numbers() {
         impulse: Some([0.0, 0.0, -1.0]),
         duration: Some(0.1),
         normal: Some([0.0, 0.0, 1.0]),
-        striker: Striker { mass: Some(1.0), velocity: Some([0.0, 0.0, -1.0]), radius: Some(0.1) },
+        striker: Striker { mass: Some(1.0), velocity: Some([0.0, 0.0, -1.0]), radius: Some(0.1), ..Default::default() },
     };
     let hit = |change: &dyn Fn(&mut Blow)| {
         let mut blow = whole;
@@ -421,7 +421,7 @@ fn quick_a_striker_s_momentum_is_the_impulse() {
         instance.set_transform(Mat4::from_rotation_x(0.4)).unwrap();
         for _ in 0..20 {
             let (mass, velocity) = (0.1 + 3.0 * dice.vector(1.0)[0].abs(), dice.vector(4.0));
-            let striker = Striker { mass: Some(mass), velocity: Some(velocity), radius: None };
+            let striker = Striker { mass: Some(mass), velocity: Some(velocity), radius: None, ..Default::default() };
             let told = Blow { duration: Some(0.01), ..Blow::of_striker(striker) };
             let explicit = Blow::of_impulse(velocity.map(|v| mass * v), 0.01);
             let hit = |blow| Hit { cause: Cause::Impulse { blow, mass: Some(1.0) }, space, ..good() };

@@ -29,7 +29,7 @@ fn set(softness: f32) -> Arc<ExampleSet> {
         example.blow = Blow {
             impulse: Some(velocity.map(|v| MASS * v)),
             normal: Some([0.0, 0.0, 1.0]),
-            striker: Striker { mass: Some(MASS), velocity: Some(velocity), radius: None },
+            striker: Striker { mass: Some(MASS), velocity: Some(velocity), radius: None, ..Default::default() },
             ..Blow::default()
         };
         assert!(matches!(example.contact, Some(Contact::Vertex(_))));
@@ -81,7 +81,7 @@ fn after(set: &Arc<ExampleSet>, options: ContactOptions, steps: &[Points<'_>]) -
 fn told(set: &Arc<ExampleSet>, speed: f32, mass: f32) -> f32 {
     let mut body = new(set);
     let velocity = [0.0, 0.0, -speed];
-    let striker = Striker { mass: Some(mass), velocity: Some(velocity), radius: None };
+    let striker = Striker { mass: Some(mass), velocity: Some(velocity), radius: None, ..Default::default() };
     let blow =
         Blow { impulse: Some(velocity.map(|v| mass * v)), normal: Some([0.0, 0.0, 1.0]), striker, ..Blow::default() };
     body.submit(&Hit::blow([0.0; 3], blow)).unwrap();

@@ -24,7 +24,12 @@ fn set_of(softness: f32) -> Arc<ExampleSet> {
     let examples = places.map(|[x, y]| {
         let depth = dice.between(0.03, 0.06);
         let mut example = scenes::bowl(&mesh, scenes::nearest(&mesh, [x, y, 0.0]), depth, 0.25);
-        let striker = Striker { mass: Some(MASS), velocity: Some([0.0, 0.0, -100.0 * depth / softness]), radius: None };
+        let striker = Striker {
+            mass: Some(MASS),
+            velocity: Some([0.0, 0.0, -100.0 * depth / softness]),
+            radius: None,
+            ..Default::default()
+        };
         example.blow = Blow { normal: Some([0.0, 0.0, 1.0]), ..Blow::of_striker(striker) };
         example
     });
@@ -136,7 +141,7 @@ fn thrown(shape: ColliderBuilder, hz: f32, phase: f32) -> f32 {
 #[test]
 fn a_ball_and_a_box_leave_the_same_dent_at_any_rate() {
     let mut told = new(&set());
-    let striker = Striker { mass: Some(MASS), velocity: Some([0.0, 0.0, -5.0]), radius: None };
+    let striker = Striker { mass: Some(MASS), velocity: Some([0.0, 0.0, -5.0]), radius: None, ..Default::default() };
     told.submit(&crumple::Hit::blow([0.0; 3], Blow { normal: Some([0.0, 0.0, 1.0]), ..Blow::of_striker(striker) }))
         .unwrap();
     let told = displacements(&mut told).iter().map(|d| d.length()).fold(0.0, f32::max);

@@ -40,7 +40,12 @@ fn small_sets() -> Vec<(&'static str, Arc<ExampleSet>)> {
         impulse: Some([0.5, -0.25, -9.0]),
         duration: Some(0.01),
         normal: Some([0.3, 0.4, 0.7]),
-        striker: Striker { mass: Some(2.5), velocity: Some([0.1, 0.0, -4.0]), radius: Some(0.08) },
+        striker: Striker {
+            mass: Some(2.5),
+            velocity: Some([0.1, 0.0, -4.0]),
+            radius: Some(0.08),
+            ..Default::default()
+        },
     };
     placed[1].blow.duration = Some(0.02);
     placed[2].blow.striker.radius = Some(0.125);
@@ -72,6 +77,9 @@ fn small_sets() -> Vec<(&'static str, Arc<ExampleSet>)> {
     let dents = scenes::bowls(&sheet, 3, 0.3, 7);
     add("held sheet", &sheet, &dents, SetOptions { stamp_resolution: 6, ..baked(1e-5) });
     add("points", &points, &point_dents, SetOptions { mass: VertexMass::Uniform(2.0), ..baked(1e-3) });
+    let mut learned = scenes::learned(&scenes::sheet(12), 12, 4);
+    Arc::get_mut(&mut learned).unwrap().add_lod(scenes::sheet(5), &Serial).unwrap();
+    sets.push(("learned", learned));
     sets
 }
 
@@ -80,7 +88,6 @@ fn sets() -> Vec<(String, Arc<ExampleSet>)> {
     let mut all: Vec<(String, Arc<ExampleSet>)> =
         small_sets().into_iter().chain(scenes::small_bodies()).map(|(n, s)| (n.to_owned(), s)).collect();
     all.push(("following".into(), scenes::following(("cube", scenes::cube_set())).1));
-    all.push(("learned".into(), scenes::learned(("ball", scenes::ball_set())).1));
     for body in ["panel", "tube"] {
         let (mesh, mut examples) = scenes::solver(body);
         examples.truncate(9);

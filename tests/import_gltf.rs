@@ -615,7 +615,12 @@ fn blows_come_from_impacts_in_the_mesh_s_own_space() {
         impulse: Some([1.0, -2.0, -8.0]),
         duration: Some(0.0625),
         normal: Some([0.0, 0.6, 0.8]),
-        striker: Striker { mass: Some(2.0), velocity: Some([0.5, -1.0, -4.0]), radius: Some(0.5) },
+        striker: Striker {
+            mass: Some(2.0),
+            velocity: Some([0.5, -1.0, -4.0]),
+            radius: Some(0.5),
+            ..Default::default()
+        },
     };
     assert_eq!(imported.examples[0].blow, expected);
     assert_eq!(imported.examples[0].contact_normal, expected.normal, "one normal serves both");

@@ -125,6 +125,7 @@ fn random_blow(dice: &mut Dice, normal: [f32; 3], depth: f32, hidden: u64) -> Bl
             mass: (knows(2) || !by_impulse).then_some(mass),
             velocity: (knows(3) || !by_impulse).then_some(velocity),
             radius: knows(4).then_some(radius),
+            ..Default::default()
         },
     }
 }

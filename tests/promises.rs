@@ -21,8 +21,8 @@ fn bodies() -> &'static [Body] {
         let mut all = scenes::bodies();
         all.push(scenes::following(("cube that follows nodes", scenes::cube_set())));
         all.push(scenes::following(("panel that follows nodes", scenes::solver_set("panel", 8, Placement::Automatic))));
-        all.push(scenes::learned(("ball that has learned", scenes::ball_set())));
-        all.push(scenes::learned(("panel that has learned", scenes::solver_set("panel", 8, Placement::Automatic))));
+        all.push(("sheet that has learned", scenes::learned(&scenes::sheet(16), 12, 5)));
+        all.push(("cube that has learned", scenes::learned(&scenes::cube(6), 12, 6)));
         all
     })
 }
@@ -195,6 +195,11 @@ fn quick_bounded() {
 /// example reaches its own support. A carried example reaches a ball around the contact that holds the stretched stamp.
 /// So does an anchored one that is widened, around its own contact.
 fn reaches(set: &ExampleSet, mark: &Mark, v: usize) -> bool {
+    if mark.is_predicted() {
+        // Three times as far as any example.
+        let radius = set.examples().iter().map(|e| e.support_radius()).fold(0.0, f32::max);
+        return distance(base(set, v), base(set, mark.contact as usize)) <= f64::from(3.0 * radius);
+    }
     mark.pairs.iter().filter(|p| !p.is_none()).any(|pair| {
         let e = &set.examples()[usize::from(pair.example)];
         if pair.is_anchored() && (e.delta(v as u32) != Vec3::ZERO || e.normal_delta(v as u32) != Vec3::ZERO) {

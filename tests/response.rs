@@ -34,6 +34,7 @@ fn blow(dice: &mut Dice, normal: [f32; 3], knows: u8) -> Blow {
             mass: (knows & 1 != 0).then_some(mass),
             velocity: (knows & 1 != 0).then_some(velocity),
             radius: (knows & 4 != 0).then_some(radius),
+            ..Default::default()
         },
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use anyhow::Result;
 use crumple::{
     Blow, Contact, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData, Placement, Serial,
-    SetOptions, Striker, Tracker, VertexMemory,
+    SetOptions, Striker, StrikerShape, Tracker, VertexMemory,
 };
 
 use crate::truth::{self, Body, Field, Impact};
@@ -36,11 +36,12 @@ pub fn example(impact: &Impact, placement: Placement) -> ExampleData {
 
 /// All that is known of a blow.
 pub fn blow(known: &truth::Blow) -> Blow {
+    let shape = if known.pole { StrikerShape::Pole } else { StrikerShape::Ball };
     Blow {
         impulse: Some(known.impulse),
         duration: known.duration,
         normal: Some(known.normal),
-        striker: Striker { mass: Some(known.mass), velocity: Some(known.velocity), radius: Some(known.radius) },
+        striker: Striker { mass: Some(known.mass), velocity: Some(known.velocity), radius: Some(known.radius), shape },
     }
 }
 

@@ -154,12 +154,13 @@ impl Fitting<'_> {
         let near = self.index.several::<SHARED>(self.mesh.positions()[v]);
         let mut nodes: Vec<u32> = near.iter().map(|(_, n)| *n).collect();
         nodes.sort_unstable();
-        let mut targets: Vec<u32> = self.entries(v).iter().map(|(n, _)| *n).collect();
-        targets.push(own);
+        // Alone: what else is solved for decides on the prior, and differs between vertices at one position.
+        let weights = self.solve(&nodes, &[own]);
+        let targets: Vec<u32> = self.entries(v).iter().map(|(n, _)| *n).collect();
         let solved = self.solve(&nodes, &targets);
         let at = |n: &u32| tile.nodes.binary_search(n).unwrap_or(0);
         let places: Vec<usize> = nodes.iter().map(at).collect();
-        for (place, w) in places.iter().zip(rounded(&solved[targets.len() - 1])) {
+        for (place, w) in places.iter().zip(rounded(&weights[0])) {
             tile.weights[*place][i] = w;
         }
         for ((_, along), row) in self.entries(v).iter().zip(&solved) {

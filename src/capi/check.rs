@@ -3,7 +3,7 @@
 use super::c_enum::{CEnum, number};
 use super::result::{CrumpleResult, Failure};
 use super::types::CrumpleStriker;
-use crate::example::blow::Striker;
+use crate::example::blow::{Striker, StrikerShape};
 use std::ffi::{CStr, c_char};
 use std::mem::MaybeUninit;
 
@@ -224,6 +224,10 @@ pub(super) fn striker(striker: CrumpleStriker, name: &str) -> Result<Striker, Fa
         mass: positive_or(striker.mass, &field("mass"), "kg", "an unknown one")?,
         radius: positive_or(striker.radius, &field("radius"), "m", "an unknown one")?,
         velocity: striker.velocity.known(),
+        shape: StrikerShape::ALL
+            .get(striker.shape as usize)
+            .copied()
+            .ok_or_else(|| Failure::invalid(format!("{} is {}; it must be 0 to 4", field("shape"), striker.shape)))?,
     })
 }
 
@@ -242,8 +246,9 @@ mod tests {
     fn zeros_of_a_striker_are_unknown() {
         assert_eq!(striker(CrumpleStriker::default(), "striker").ok(), Some(Striker::default()));
         let velocity = [0.0, 0.5, -4.0];
-        let given = CrumpleStriker { mass: 2.5, velocity: velocity.into(), radius: 0.08 };
-        let known = Striker { mass: Some(2.5), velocity: Some(velocity), radius: Some(0.08) };
+        let given = CrumpleStriker { mass: 2.5, velocity: velocity.into(), radius: 0.08, shape: 2 };
+        let known =
+            Striker { mass: Some(2.5), velocity: Some(velocity), radius: Some(0.08), shape: StrikerShape::Pole };
         assert_eq!(striker(given, "striker").ok(), Some(known));
         let failure = striker(CrumpleStriker { radius: -1.0, ..given }, "def.striker").expect_err("no radius");
         assert_eq!(failure.message, "def.striker.radius is -1 m; it must be positive, or 0 for an unknown one");

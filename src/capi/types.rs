@@ -64,6 +64,8 @@ pub struct CrumpleStriker {
     pub radius: f32,
     /// Velocity relative to the struck body before the touch, m/s.
     pub velocity: CrumpleVec3,
+    /// Its shape at the contact: 0 unknown, 1 a ball or anything round, 2 a pole or an edge, 3 a corner, 4 a wall or any flat face.
+    pub shape: u32,
 }
 
 /// A rotation as a unit quaternion.

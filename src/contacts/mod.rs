@@ -61,7 +61,7 @@ const GRAVITY: f64 = 9.81;
 /// use std::sync::Arc;
 /// # let mesh = MeshData { positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], triangles: vec![[0, 1, 2]], ..Default::default() };
 /// let mut dent = ExampleData::new("dent", Deltas::Sparse { indices: vec![0], values: vec![[0.0, 0.0, -0.1]] });
-/// let striker = Striker { mass: Some(8.0), velocity: Some([0.0, 0.0, -5.0]), radius: None };
+/// let striker = Striker { mass: Some(8.0), velocity: Some([0.0, 0.0, -5.0]), radius: None, ..Default::default() };
 /// dent.blow = Blow::of_striker(striker);
 /// let set = Arc::new(ExampleSet::build(mesh, vec![dent], SetOptions::default(), &Serial)?);
 /// let mut body = Instance::new(set, InstanceOptions::default())?;

@@ -143,6 +143,6 @@ impl Touch {
 /// A blow of an impulse (N·s) against a normal, by a striker with a mass (kg) and a velocity (m/s), if they are known, and a radius.
 pub(super) fn blow((normal, impulse): (DVec3, f64), striker: Option<(f64, DVec3)>, radius: Option<f32>) -> Blow {
     let mass = striker.map(|(mass, _)| mass as f32).filter(|m| *m > 0.0 && m.is_finite());
-    let striker = Striker { mass, velocity: striker.map(|(_, v)| to_f32(v)), radius };
+    let striker = Striker { mass, velocity: striker.map(|(_, v)| to_f32(v)), radius, ..Striker::default() };
     Blow { impulse: Some(to_f32(normal * -impulse)), duration: None, normal: Some(to_f32(normal)), striker }
 }

@@ -135,11 +135,12 @@ impl Mark {
         if self.is_predicted() {
             let expected = match set.rule() {
                 None => Some("examples: the set has not learned to predict hits"),
-                Some(rule) if self.pairs[0].share == 1 && !rule.knows_blows() => {
-                    Some("told as a displacement: no example of the set knows its blow")
-                }
-                Some(_) if self.pairs[0].share > 1 => Some("told as a displacement (0) or a blow (1)"),
-                Some(_) => None,
+                Some(rule) => match (self.pairs[0].share, rule.predicts()) {
+                    (0, [_, true]) | (1, [true, _]) => None,
+                    (0, _) => Some("examples: the set predicts blows only"),
+                    (1, _) => Some("examples: the set predicts displacements only"),
+                    _ => Some("told as a displacement (0) or a blow (1)"),
+                },
             };
             return expected.map_or(Ok(()), |e| Err(bad("pairs", format!("{:?}", self.pairs), e.into())));
         }

@@ -19,6 +19,39 @@ pub struct Blow {
     pub striker: Striker,
 }
 
+/// The shape of what strikes. Strikers of one shape leave dents that are alike.
+#[repr(u8)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum StrikerShape {
+    /// Unknown.
+    #[default]
+    Unknown = 0,
+    /// A ball, or anything round.
+    Ball = 1,
+    /// A pole, an edge, or anything long.
+    Pole = 2,
+    /// A corner of a box.
+    Corner = 3,
+    /// A wall, or any flat face.
+    Wall = 4,
+}
+
+impl StrikerShape {
+    /// All of them, by number.
+    pub const ALL: [Self; 5] = [Self::Unknown, Self::Ball, Self::Pole, Self::Corner, Self::Wall];
+
+    /// The shape of this name in files: `ball`, `pole`, `corner` or `wall`. Shapes of other names are unknown.
+    pub fn named(name: &str) -> Self {
+        match name {
+            "ball" => Self::Ball,
+            "pole" => Self::Pole,
+            "corner" => Self::Corner,
+            "wall" => Self::Wall,
+            _ => Self::Unknown,
+        }
+    }
+}
+
 /// The body that strikes. Each part may be unknown.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Striker {
@@ -28,6 +61,8 @@ pub struct Striker {
     pub velocity: Option<[f32; 3]>,
     /// Radius of its surface at the contact, m. Above 0: small for a corner, large for a flat face.
     pub radius: Option<f32>,
+    /// Its shape at the contact.
+    pub shape: StrikerShape,
 }
 
 impl Blow {
@@ -65,14 +100,16 @@ impl Blow {
     }
 
     /// The parts as bits, for sorting. Blows with equal keys are equal.
-    pub(crate) fn key(&self) -> [u32; 12] {
+    pub(crate) fn key(&self) -> [u32; 13] {
         let vector = |v: Option<[f32; 3]>| v.unwrap_or([f32::NAN; 3]);
         let [jx, jy, jz] = vector(self.impulse);
         let [nx, ny, nz] = vector(self.normal);
         let [vx, vy, vz] = vector(self.striker.velocity);
         let size = |x: Option<f32>| x.unwrap_or(f32::NAN);
-        [jx, jy, jz, nx, ny, nz, vx, vy, vz, size(self.duration), size(self.striker.mass), size(self.striker.radius)]
-            .map(f32::to_bits)
+        let shape = f32::from(self.striker.shape as u8);
+        let sizes = [self.duration, self.striker.mass, self.striker.radius].map(size);
+        let [duration, mass, radius] = sizes;
+        [jx, jy, jz, nx, ny, nz, vx, vy, vz, duration, mass, radius, shape].map(f32::to_bits)
     }
 
     /// Checks every part that is known, and returns the blow with a normal of length 1. `name` makes the name of a part
@@ -103,7 +140,12 @@ mod tests {
             impulse: None,
             duration: Some(0.01),
             normal: Some([0.0, 0.0, 2.0]),
-            striker: Striker { mass: Some(2.5), velocity: Some([0.1, -0.3, -4.0]), radius: Some(0.05) },
+            striker: Striker {
+                mass: Some(2.5),
+                velocity: Some([0.1, -0.3, -4.0]),
+                radius: Some(0.05),
+                shape: StrikerShape::Ball,
+            },
         }
     }
 

@@ -3,9 +3,8 @@
 use crate::base::error::Error;
 use crate::base::tasks::TaskSystem;
 use crate::basis::field::NodeField;
-use crate::mesh::Mesh;
 use crate::mesh::mirror::Mirror;
-use crate::predict::{Blow, Body, Hit, LearnOptions, Prediction, Predictor, Sample, Scratch, Strike};
+use crate::predict::{Blow, Body, Hit, LearnOptions, Learned, Prediction, Predictor, Sample, Scratch, Strike};
 use glam::Vec3;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};
@@ -13,6 +12,8 @@ use std::sync::{Arc, Mutex};
 use super::blow;
 use super::example::Example;
 use super::mesh_lod::MeshLod;
+use super::response::Response;
+use super::set::ExampleSet;
 
 /// Predictions that are kept, since a hit is predicted when it is submitted and again when it is folded.
 const RECENT: usize = 64;
@@ -24,7 +25,6 @@ pub(crate) type Key = [u32; 6];
 #[derive(Debug)]
 pub(crate) struct LearnedRule {
     predictor: Predictor,
-    bytes: Vec<u8>,
     recent: Mutex<Recent>,
 }
 
@@ -43,15 +43,14 @@ struct Points {
 }
 
 impl Points {
-    fn of(nodes: &MeshLod, base: &Mesh, mirror: Mirror) -> Self {
-        let count = nodes.vertex_count();
-        let bounds = base.bounds();
+    fn of(set: &ExampleSet, nodes: &MeshLod) -> Self {
+        let (count, bounds) = (nodes.vertex_count(), set.mesh().bounds());
         let held =
             if nodes.rim.is_open() { Vec::new() } else { (0..count as u32).map(|v| nodes.rim.at(v).factor).collect() };
         Points {
             normals: nodes.mesh.normals().map_or_else(|| vec![Vec3::ZERO; count], <[Vec3]>::to_vec),
             held,
-            mirror,
+            mirror: set.report().mirror_planes,
             centre: bounds.min + (bounds.max - bounds.min) * 0.5,
         }
     }
@@ -63,17 +62,13 @@ impl Points {
 }
 
 impl LearnedRule {
-    /// Learns from the examples as they are on the nodes. `mirror` are the planes in which the body is symmetric.
+    /// Learns from the examples as they are on the nodes. Keeps what predicts blows, and displacements, only where it is better than the
+    /// nearest examples.
     ///
     /// # Errors
     /// Those of [`Predictor::learn`].
-    pub(crate) fn learn(
-        (base, nodes): (&Mesh, &MeshLod),
-        examples: &[Example],
-        mirror: Mirror,
-        tasks: &dyn TaskSystem,
-    ) -> Result<Self, Error> {
-        let points = Points::of(nodes, base, mirror);
+    pub(crate) fn learn(set: &ExampleSet, nodes: &MeshLod, tasks: &dyn TaskSystem) -> Result<Self, Error> {
+        let (points, examples) = (Points::of(set, nodes), set.examples());
         let fields: Vec<Vec<Vec3>> = (0..examples.len())
             .map(|i| {
                 let mut field = vec![Vec3::ZERO; nodes.vertex_count()];
@@ -95,33 +90,36 @@ impl LearnedRule {
                 source,
             })
             .collect();
-        let predictor = Predictor::learn(&points.body(nodes), &samples, &LearnOptions::default(), tasks)?;
-        let bytes = predictor.to_bytes()?;
-        Ok(LearnedRule { predictor, bytes, recent: Mutex::default() })
+        let mut predictor = Predictor::learn(&points.body(nodes), &samples, &LearnOptions::default(), tasks)?;
+        predictor.keep(better(set, predictor.learned(), predictor.knows_blows()));
+        Ok(LearnedRule { predictor, recent: Mutex::default() })
     }
 
-    /// The rule of a set from [`LearnedRule::as_bytes`].
+    /// The rule of a set from [`LearnedRule::to_bytes`].
     ///
     /// # Errors
     /// [`Error::Format`].
-    pub(crate) fn from_bytes((base, nodes): (&Mesh, &MeshLod), mirror: Mirror, bytes: Vec<u8>) -> Result<Self, Error> {
-        let points = Points::of(nodes, base, mirror);
-        let predictor = Predictor::from_bytes(&points.body(nodes), &bytes)?;
-        Ok(LearnedRule { predictor, bytes, recent: Mutex::default() })
+    pub(crate) fn from_bytes(set: &ExampleSet, nodes: &MeshLod, bytes: &[u8]) -> Result<Self, Error> {
+        let predictor = Predictor::from_bytes(&Points::of(set, nodes).body(nodes), bytes)?;
+        Ok(LearnedRule { predictor, recent: Mutex::default() })
     }
 
-    pub(crate) fn as_bytes(&self) -> &[u8] {
-        &self.bytes
+    /// What was learned, as section rule of a file has it.
+    ///
+    /// # Errors
+    /// [`Error::Format`] for numbers that are not finite.
+    pub(crate) fn to_bytes(&self) -> Result<Vec<u8>, Error> {
+        self.predictor.to_bytes()
     }
 
-    /// What was learned, example by example.
+    /// For each example that moves anything, the relative L2 error with which the others predict it.
     pub(crate) fn errors(&self) -> &[f32] {
         &self.predictor.learned().errors
     }
 
-    /// Whether blows can be predicted: some example knows its own.
-    pub(crate) fn knows_blows(&self) -> bool {
-        self.predictor.knows_blows()
+    /// Whether it predicts blows, and displacements.
+    pub(crate) fn predicts(&self) -> [bool; 2] {
+        [self.predictor.knows_blows(), self.predictor.knows_displacements()]
     }
 
     /// What is known of a blow on a surface with this unit normal. `None` if it points out of the body.
@@ -156,8 +154,33 @@ impl LearnedRule {
     pub(crate) fn bytes(&self) -> usize {
         let recent = self.recent.lock().unwrap_or_else(|e| e.into_inner());
         let fields: usize = recent.fields.iter().map(|(_, field)| field.bytes()).sum();
-        self.predictor.bytes() + self.bytes.len() + fields
+        self.predictor.bytes() + fields
     }
+}
+
+/// Whether the rule is better at blows, and at displacements, than the nearest examples: with each example left out in turn.
+fn better(set: &ExampleSet, learned: &Learned, knows_blows: bool) -> [bool; 2] {
+    /// With fewer examples chance decides.
+    const ENOUGH: usize = 6;
+    /// The nearest examples must be better by this factor, because leaving out one of few examples costs the rule more than them.
+    const CLEARLY: f64 = 1.025;
+    let nearest = set.learned();
+    let depths = set.response().map_or(&[][..], Response::depth_error);
+    let moving = (0..set.examples().len()).filter(|i| !set.examples()[*i].is_empty());
+    let score = |e: f32| f64::from(e.min(2.0)).sqrt();
+    let (mut sums, mut counts) = ([[0.0; 2]; 2], [0; 2]);
+    for (i, (blow, displacement)) in moving.zip(learned.errors.iter().zip(&learned.displacement_errors)) {
+        let shape = if nearest.anchored[i] { nearest.anchored_error[i] } else { nearest.carried_error[i] };
+        let Some(shape) = shape else { continue };
+        let depth = depths.get(i).copied().flatten().filter(|_| knows_blows);
+        for (k, pair) in [depth.map(|d| (*blow, shape.hypot(d))), Some((*displacement, shape))].iter().enumerate() {
+            let Some((ours, theirs)) = pair else { continue };
+            counts[k] += 1;
+            sums[k][0] += score(*ours);
+            sums[k][1] += score(*theirs);
+        }
+    }
+    [0, 1].map(|k| counts[k] >= ENOUGH && sums[k][0] < CLEARLY * sums[k][1])
 }
 
 /// For each example the first of its simulation: mirror images of one dent are as deep and as large.
@@ -176,6 +199,6 @@ fn known_blow(blow: &blow::Blow) -> Blow {
         impulse: blow.impulse.map(Vec3::from),
         mass: blow.striker.mass,
         radius: blow.striker.radius,
-        kind: None,
+        kind: Some(u32::from(blow.striker.shape as u8)).filter(|kind| *kind > 0),
     }
 }

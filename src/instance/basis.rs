@@ -32,6 +32,18 @@ const EXAMPLES: usize = 256;
 /// The least depth of those hits, as a share of the depth limit.
 const SHALLOW: f32 = 0.15;
 
+/// What a set has learned of hits.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RuleReport {
+    /// For each example the relative L2 error with which the others predict it: from its blow, or from its displacement if it knows
+    /// none. 1 is the error of no dent at all.
+    pub errors: Vec<f32>,
+    /// Whether hits told as blows are predicted.
+    pub blows: bool,
+    /// Whether hits told as displacements are predicted.
+    pub displacements: bool,
+}
+
 impl ExampleSet {
     /// Lets the vertices of the base mesh follow *nodes*, a few of them, whose displacements alone are then computed from marks
     /// (docs/model.md, "Nodes"). A hit and a frame cost less, the more so the more examples and marks there
@@ -67,27 +79,30 @@ impl ExampleSet {
     /// Vertices must follow nodes ([`ExampleSet::learn_basis`]). The fingerprint changes, because saved damage looks different now. Call it
     /// before instances are made. Instances with a classic rule are not affected.
     ///
-    /// Returns for each example the relative L2 error with which the others predict it; 1 is that of no dent at all.
+    /// With each example left out in turn, the set compares the rule with what the nearest examples say. Hits are predicted only where the
+    /// rule is better, which the report tells: with few examples of a smooth body it often is not.
     ///
     /// # Errors
     /// [`Error::Unsupported`] if vertices do not follow nodes, or the mesh has no normals. After an error nothing has changed.
-    pub fn learn_rule(&mut self, tasks: &dyn TaskSystem) -> Result<Vec<f32>, Error> {
+    pub fn learn_rule(&mut self, tasks: &dyn TaskSystem) -> Result<RuleReport, Error> {
         let needs = |what: &str| Error::Unsupported { what: format!("learning the rule {what}") };
         let Some(nodes) = self.nodes() else { return Err(needs("of a set without a basis: call learn_basis first")) };
         if self.mesh().normals().is_none() {
             return Err(needs("of a mesh without normals"));
         }
-        let planes = self.report().mirror_planes;
-        let rule = LearnedRule::learn((self.mesh(), &nodes.lod), self.examples(), planes, tasks)?;
+        let rule = LearnedRule::learn(self, &nodes.lod, tasks)?;
         let mut errors = rule.errors().iter().copied();
         let errors = self.examples().iter().map(|e| if e.is_empty() { 0.0 } else { errors.next().unwrap_or(1.0) });
-        let errors = errors.collect();
-        let mut hash = XxHash3_64::new();
-        hash.write(&self.fingerprint().to_le_bytes());
-        hash.write(rule.as_bytes());
-        self.set_fingerprint(hash.finish());
-        self.set_rule(rule);
-        Ok(errors)
+        let [blows, displacements] = rule.predicts();
+        let report = RuleReport { errors: errors.collect(), blows, displacements };
+        if blows || displacements {
+            let mut hash = XxHash3_64::new();
+            hash.write(&self.fingerprint().to_le_bytes());
+            hash.write(&rule.to_bytes()?);
+            self.set_fingerprint(hash.finish());
+            self.set_rule(rule);
+        }
+        Ok(report)
     }
 
     /// The base mesh without limits of its vertices, which hold for what follows and not for nodes.

@@ -40,10 +40,10 @@ pub(crate) enum Push {
 impl ContactPart {
     /// Sort key that makes the order of a contact's parts independent of their arrival. Parts with equal keys are
     /// equal.
-    fn key(&self) -> ([u32; 3], [u64; 3], Option<u32>, [u32; 12]) {
+    fn key(&self) -> ([u32; 3], [u64; 3], Option<u32>, [u32; 13]) {
         let point = self.point.to_array().map(f64::to_bits);
         match self.push {
-            Push::Target { target, impulse } => (target.map(f32::to_bits), point, impulse.map(f32::to_bits), [0; 12]),
+            Push::Target { target, impulse } => (target.map(f32::to_bits), point, impulse.map(f32::to_bits), [0; 13]),
             Push::Blow(blow) => ([0; 3], point, None, blow.key()),
         }
     }
@@ -180,6 +180,7 @@ fn together(a: &Blow, b: &Blow) -> Blow {
             mass: larger(a.striker.mass, b.striker.mass),
             velocity: longer(a.striker.velocity, b.striker.velocity),
             radius: larger(a.striker.radius, b.striker.radius),
+            shape: if a.striker.shape as u8 > b.striker.shape as u8 { a.striker.shape } else { b.striker.shape },
         },
     }
 }

@@ -3,7 +3,7 @@
 pub(crate) mod archive;
 pub(crate) mod attach;
 pub(crate) mod attachment;
-mod basis;
+pub(crate) mod basis;
 mod contacts;
 pub(crate) mod deform;
 mod growth;

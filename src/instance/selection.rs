@@ -29,11 +29,16 @@ pub(crate) fn select(set: &ExampleSet, rule: Rule, params: &HitParams, hit: &Hit
     let (mut outcome, target) = resolve(set, params, hit)?;
     let Some(target) = target else { return Ok((outcome, Effect::None)) };
     let effect = match rule {
-        Rule::Marks if set.rule().is_some() => predict(set, &target, &mut outcome).map(Effect::Mark),
+        Rule::Marks if predicts(set, &target) => predict(set, &target, &mut outcome).map(Effect::Mark),
         Rule::Marks => select_nearest(set, params.examples_per_hit, &target, &mut outcome).map(Effect::Mark),
         Rule::MostDisplaced | Rule::Blend(_) => classic(set, &target, params.selection, &mut outcome),
     };
     Ok((outcome, effect.unwrap_or(Effect::None)))
+}
+
+/// Whether the set predicts hits like this one.
+fn predicts(set: &ExampleSet, target: &HitTarget) -> bool {
+    set.rule().is_some_and(|rule| target.told.is_some() || rule.predicts()[1] && target.strike.is_none())
 }
 
 /// The mark of a hit whose dent the set predicts.

@@ -146,9 +146,9 @@ impl Flat<'_> {
     fn rule(&mut self, p: &mut Predictor) -> Result<(), Error> {
         let points = p.points.len();
         let (mut kind, mut reach) = (f64::from(p.typical.kind), f64::from(p.reach));
-        let mut blows = f64::from(u8::from(p.blow.is_some()));
+        let [mut blows, mut displacements] = [&p.blow, &p.displacement].map(|m| f64::from(u8::from(m.is_some())));
         let Typical { mass, radius, rebound, .. } = &mut p.typical;
-        self.fixed([mass, radius, rebound, &mut kind, &mut reach, &mut blows])?;
+        self.fixed([mass, radius, rebound, &mut kind, &mut reach, &mut blows, &mut displacements])?;
         (p.typical.kind, p.reach) = (kind as u32, reach as f32);
         let mut partners: Vec<u32> = Vec::new();
         for (mirror, list) in &p.partners {
@@ -166,6 +166,8 @@ impl Flat<'_> {
         }
         let learned = &mut p.learned;
         self.singles(&mut learned.errors)?;
+        self.singles(&mut learned.displacement_errors)?;
+        length("a number of errors", learned.displacement_errors.len(), learned.errors.len())?;
         let mut told: Vec<f32> = [learned.anchored, learned.stretch].concat();
         told.extend(learned.mirrored.map(|m| f32::from(u8::from(m))));
         self.singles(&mut told)?;
@@ -173,13 +175,14 @@ impl Flat<'_> {
         (learned.anchored, learned.stretch) = ([told[0], told[1]], [told[2], told[3]]);
         learned.mirrored = [told[4] != 0.0, told[5] != 0.0];
         self.own(&mut p.own, points)?;
-        self.model(&mut p.displacement, points)?;
+        if displacements != 0.0 {
+            self.model(p.displacement.get_or_insert_default(), points)?;
+        }
         if blows != 0.0 {
             self.model(p.blow.get_or_insert_default(), points)?;
         }
         let samples = p.own.steps.len();
-        let models = std::iter::once(&p.displacement).chain(&p.blow);
-        match models.flat_map(|m| &m.examples).find(|(e, _)| *e as usize >= samples) {
+        match p.displacement.iter().chain(&p.blow).flat_map(|m| &m.examples).find(|(e, _)| *e as usize >= samples) {
             Some((e, _)) => Err(wrong("an example", e, format!("below {samples}"))),
             None => Ok(()),
         }
@@ -215,7 +218,7 @@ impl Predictor {
             partners: Vec::new(),
             typical: Typical::default(),
             blow: None,
-            displacement: Model::default(),
+            displacement: None,
             own: OwnFields::default(),
             reach: 0.0,
             learned: Learned::default(),

@@ -107,14 +107,18 @@ fn learn(
     data.samples.iter().for_each(|s| own.push(s.field));
 
     let (displacement, mut mirrored) = (data.best_model(false, tasks), [false; 2]);
-    let displacement = displacement.unwrap_or_default();
     let blow = data.best_model(true, tasks);
-    let mut learned = Learned { errors: vec![1.0; samples.len()], ..Learned::default() };
-    for (k, model) in [blow.as_ref(), Some(&displacement)].into_iter().enumerate().rev() {
+    let unknown = vec![1.0; samples.len()];
+    let mut learned = Learned { errors: unknown.clone(), displacement_errors: unknown, ..Learned::default() };
+    for (k, model) in [blow.as_ref(), displacement.as_ref()].into_iter().enumerate().rev() {
         let Some(model) = model else { continue };
         for ((example, mirror), error) in model.examples.iter().zip(&model.errors) {
             if *mirror == Mirror::NONE {
-                learned.errors[order[*example as usize]] = *error as f32;
+                let at = order[*example as usize];
+                learned.errors[at] = *error as f32;
+                if k == 1 {
+                    learned.displacement_errors[at] = *error as f32;
+                }
             } else {
                 mirrored[k] = true;
             }

@@ -115,7 +115,7 @@ pub struct Predictor {
     pub(super) partners: Vec<(Mirror, Vec<u32>)>,
     pub(super) typical: Typical,
     pub(super) blow: Option<Model>,
-    pub(super) displacement: Model,
+    pub(super) displacement: Option<Model>,
     pub(super) own: OwnFields,
     /// The largest distance from a contact at which a sample moves by a hundredth of its longest displacement, m.
     pub(super) reach: f32,
@@ -172,6 +172,17 @@ impl Predictor {
         self.blow.is_some()
     }
 
+    /// Whether displacements can be predicted.
+    pub fn knows_displacements(&self) -> bool {
+        self.displacement.is_some()
+    }
+
+    /// Forgets what predicts blows, and displacements, unless it is to be kept.
+    pub fn keep(&mut self, [blows, displacements]: [bool; 2]) {
+        self.blow = self.blow.take().filter(|_| blows);
+        self.displacement = self.displacement.take().filter(|_| displacements);
+    }
+
     /// Bytes of the arrays.
     pub fn bytes(&self) -> usize {
         let part = |p: &Part| p.modes.len() * 4 + (p.coefficients.len() + p.mean.len()) * 8;
@@ -182,7 +193,7 @@ impl Predictor {
             + self.held.len() * 4
             + partners
             + own
-            + model(&self.displacement)
+            + self.displacement.as_ref().map_or(0, model)
             + self.blow.as_ref().map_or(0, model)
     }
 
@@ -198,7 +209,7 @@ impl Predictor {
     pub fn predict(&self, hit: &Hit, scratch: &mut Scratch, out: &mut Vec<(u32, Vec3)>) -> Prediction {
         out.clear();
         let displacement = matches!(hit.told, Told::Displacement(_));
-        let model = if displacement { Some(&self.displacement) } else { self.blow.as_ref() };
+        let model = if displacement { &self.displacement } else { &self.blow };
         let Some(model) = model else { return Prediction::default() };
         let x = match hit.told {
             Told::Strike(strike) => Some(point(hit.contact, hit.normal, self.diagonal, &strike)),

@@ -89,7 +89,7 @@ pub(crate) fn resolve(set: &ExampleSet, p: &HitParams, hit: &Hit) -> Result<(Out
             let impulse = impulse_of(&blow)?;
             let weak = DVec3::from_array(impulse.map(f64::from)).length() < f64::from(p.yield_impulse);
             match set.response() {
-                Some(_) if let Some(rule) = set.rule().filter(|rule| rule.knows_blows()) => {
+                Some(_) if let Some(rule) = set.rule().filter(|rule| rule.predicts()[0]) => {
                     let blow = p.local_blow(&blow, hit.space);
                     told = normal.and_then(|n| rule.strike(&blow, n)).map(Told::Strike);
                     (told.map_or(DVec3::ZERO, |told| aimed(set, contact.vertex, &told)), None, weak)

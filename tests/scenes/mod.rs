@@ -11,8 +11,9 @@ use proptest::test_runner::RngSeed;
 
 use crumple::glam::Vec3;
 use crumple::{
-    BasisOptions, Cause, Contact, DeformReport, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions,
-    MeshData, Placement, Serial, SetOptions, Space, TaskSystem, ThreadPool, Tracker, VertexMemory,
+    BasisOptions, Blow, Cause, Contact, DeformReport, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions,
+    MeshData, Placement, Serial, SetOptions, Space, Striker, StrikerShape, TaskSystem, ThreadPool, Tracker,
+    VertexMemory,
 };
 
 pub use solver::solver;
@@ -348,12 +349,31 @@ pub fn following((name, set): Body) -> Body {
     (name, Arc::new(set))
 }
 
-/// The same body with a set that has also learned to predict hits.
-pub fn learned(body: Body) -> Body {
-    let (name, set) = following(body);
+/// A bowl at a vertex, as deep as a law of its blow's energy (J) and of its place along x says.
+pub fn struck(mesh: &MeshData, vertex: u32, energy: f32) -> ExampleData {
+    let depth = 0.002 * energy.sqrt() * (1.0 + mesh.positions[vertex as usize][0]);
+    let normal = mesh.normals.as_ref().unwrap()[vertex as usize];
+    ExampleData { blow: blow(energy, normal), ..bowl(mesh, vertex, depth, 0.3) }
+}
+
+/// A blow of a ball of 5 kg against the normal.
+pub fn blow(energy: f32, normal: [f32; 3]) -> Blow {
+    let speed = (2.0 * energy / 5.0).sqrt();
+    let velocity = Some(normal.map(|n| -speed * n));
+    Blow::of_striker(Striker { mass: Some(5.0), velocity, radius: Some(0.1), shape: StrikerShape::Ball })
+}
+
+/// A set that has learned from this many struck examples, spread over the mesh.
+pub fn learned(mesh: &MeshData, count: usize, seed: u64) -> Arc<ExampleSet> {
+    let mut dice = Dice::new(seed);
+    let first = dice.index(mesh.positions.len());
+    let places = spread(&mesh.positions, count, first);
+    let examples = places.into_iter().map(|v| struck(mesh, v, dice.between(20.0, 400.0))).collect();
+    let (_, set) = following(("", build(mesh.clone(), examples, SetOptions::default())));
     let mut set = ExampleSet::load_copy(&set.save().unwrap(), &Serial).unwrap();
-    set.learn_rule(&Serial).unwrap();
-    (name, Arc::new(set))
+    let report = set.learn_rule(&Serial).unwrap();
+    assert!(report.blows && report.displacements, "the rule is not used: {report:?}");
+    Arc::new(set)
 }
 
 /// A solver body with its first `count` examples in the given placement.

@@ -158,7 +158,7 @@ fn learned(set: &ExampleSet, hits: &[Hit]) -> Result<(Vec<Field>, Costs)> {
     let start = Instant::now();
     set.learn_basis(&BasisOptions::new(TOLERANCE), &Serial)?;
     let before = set.memory_bytes();
-    let left_out = set.learn_rule(&Serial)?.into_iter().map(f64::from).collect();
+    let left_out = set.learn_rule(&Serial)?.errors.into_iter().map(f64::from).collect();
     let mut costs = Costs { learn_s: start.elapsed().as_secs_f64(), left_out, ..Costs::default() };
     costs.bytes = set.memory_bytes() - before;
     let set = Arc::new(set);

@@ -1,7 +1,7 @@
 //! Reads and writes the JSON list of impacts. `docs/impacts.md` documents its keys.
 
 use anyhow::{Context, Result, anyhow, bail};
-use crumple::{Blow, Cause, Hit, Space, Striker};
+use crumple::{Blow, Cause, Hit, Space, Striker, StrikerShape};
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 use std::num::NonZeroU64;
@@ -41,7 +41,7 @@ struct StrikerEntry {
     radius: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     velocity: Option<[f64; 3]>,
-    /// A note for people, such as "ball".
+    /// Such as "ball"; other names than those of [`StrikerShape::named`] are notes for people.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     shape: Option<String>,
 }
@@ -122,6 +122,7 @@ fn blow(entry: &Entry) -> Result<Blow> {
             mass: number("striker.mass", striker.mass)?,
             velocity: vector("striker.velocity", striker.velocity)?,
             radius: number("striker.radius", striker.radius)?,
+            shape: striker.shape.as_deref().map_or(StrikerShape::Unknown, StrikerShape::named),
         },
     };
     if blow.total_impulse().is_none() {
@@ -260,7 +261,12 @@ mod tests {
             "striker": {"mass": 2, "velocity": [0,1,-4], "radius": 0.25, "shape": "ball"}},
             {"point": [1,2,3], "impulse": [0,0,-1]}]"#;
         let hits: Vec<Hit> = parse(json).expect("good impacts").into_iter().map(|i| i.hit).collect();
-        let striker = Striker { mass: Some(2.0), velocity: Some([0.0, 1.0, -4.0]), radius: Some(0.25) };
+        let striker = Striker {
+            mass: Some(2.0),
+            velocity: Some([0.0, 1.0, -4.0]),
+            radius: Some(0.25),
+            shape: StrikerShape::Unknown,
+        };
         let blow = Blow { impulse: None, duration: Some(0.5), normal: Some([0.0, 0.0, 2.0]), striker };
         assert_eq!(hits[0].cause, Cause::Impulse { blow, mass: Some(8.0) });
         let blow = Blow { impulse: Some([0.0, 0.0, -1.0]), ..Blow::default() };

@@ -231,7 +231,8 @@ pub(super) struct ExampleRecord {
     pub(super) stays: u8,
     /// Whether it has a stamp, which is then the next one of section `stamps`.
     pub(super) stamp: u8,
-    pub(super) zero: u8,
+    /// Shape of its striker: 0 unknown, 1 ball, 2 pole, 3 corner, 4 wall.
+    pub(super) shape: u8,
     pub(super) blow: BlowRecord,
 }
 

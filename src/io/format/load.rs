@@ -1,7 +1,7 @@
 //! Makes a set from a file.
 
 use super::check;
-use super::layout::{AnchoredRecord, BlowRecord, ExampleRecord, FIXED, Id, MeshRecord, SetRecord, StampRecord, wrong};
+use super::layout::{AnchoredRecord, ExampleRecord, FIXED, Id, MeshRecord, SetRecord, StampRecord, wrong};
 use super::read::{File, length_of};
 use super::scan::open;
 use crate::base::array::{Array, FileBytes};
@@ -10,7 +10,7 @@ use crate::base::tasks::TaskSystem;
 use crate::base::tasks::map;
 use crate::basis::{Rows, TILE};
 use crate::example::blocks::{DeltaBlocks, Head, Steps};
-use crate::example::blow::{Blow, Striker};
+use crate::example::blow::{Blow, Striker, StrikerShape};
 use crate::example::data::Placement;
 use crate::example::example::Example;
 use crate::example::learned::Learned;
@@ -101,7 +101,7 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
         let Some(nodes) = nodes.as_ref().filter(|nodes| nodes.mesh.normals().is_some()) else {
             return Err(wrong("section rule", "there", "absent where vertices have no normals or follow no nodes"));
         };
-        set.set_rule(LearnedRule::from_bytes((set.mesh(), nodes), planes, rule.to_vec())?);
+        set.set_rule(LearnedRule::from_bytes(&set, nodes, &rule)?);
     }
     if let (Some(nodes), Some(rows)) = (nodes, rows) {
         set.follow(nodes, rows);
@@ -427,7 +427,7 @@ fn example(
     let contact_normal = (contact_normal != Vec3::ZERO).then_some(contact_normal);
     check::units(&of("the contact normal"), contact_normal.as_slice())?;
     check::between(&of("the support radius"), r.support_radius, 0.0, f32::MAX)?;
-    let blow = blow(i, &r.blow)?;
+    let blow = blow(i, r)?;
     let carried = placement != Placement::Anchored;
     if carried && lod.mesh.normals().is_none() {
         return Err(wrong(of("the placement"), r.placement, "1 (anchored) on a mesh without normals"));
@@ -454,7 +454,11 @@ fn example(
 }
 
 /// What is known of the blow of example `i`.
-fn blow(i: usize, r: &BlowRecord) -> Result<Blow, Error> {
+fn blow(i: usize, example: &ExampleRecord) -> Result<Blow, Error> {
+    let r = &example.blow;
+    let Some(shape) = StrikerShape::ALL.get(usize::from(example.shape)) else {
+        return Err(wrong(format!("the striker's shape of example {i}"), example.shape, "0 to 4"));
+    };
     let number = |x: f32| (!x.is_nan()).then_some(x);
     let vector = |v: [f32; 3]| (!v.iter().all(|x| x.is_nan())).then_some(v);
     let blow = Blow {
@@ -465,6 +469,7 @@ fn blow(i: usize, r: &BlowRecord) -> Result<Blow, Error> {
             mass: number(r.striker_mass),
             velocity: vector(r.striker_velocity),
             radius: number(r.striker_radius),
+            shape: *shape,
         },
     };
     let name = |part: &str| format!("blow.{part} of example {i}");

@@ -47,7 +47,8 @@ impl<'a> File<'a> {
             file.mesh_lod(k as u32, lod, farthest);
         }
         if let Some(rule) = set.rule() {
-            file.pieces(Id::Rule, 0, 1, vec![Cow::Borrowed(rule.as_bytes())]);
+            // Its numbers were finite when it was learned.
+            file.pieces(Id::Rule, 0, 1, vec![Cow::Owned(rule.to_bytes().unwrap_or_default())]);
         }
         if let Some(nodes) = set.nodes() {
             file.mesh_lod(set.lod_count() as u32, &nodes.lod, 0.0);
@@ -177,7 +178,7 @@ impl<'a> File<'a> {
                 },
                 stays: learned.anchored[i].into(),
                 stamp: e.stamp().is_some().into(),
-                zero: 0,
+                shape: e.blow().striker.shape as u8,
                 blow: blow_of(e.blow()),
             })
             .collect();

@@ -4,7 +4,7 @@ use super::document::out_of_range;
 use super::words::{brief, listed};
 use super::{finite, malformed, whole};
 use crate::base::error::Error;
-use crate::example::blow::{Blow, Striker};
+use crate::example::blow::{Blow, Striker, StrikerShape};
 use crate::example::data::{Contact, ExampleData, Placement};
 use serde_json::{Map, Value};
 use std::borrow::Cow;
@@ -170,7 +170,6 @@ fn impact(entry: &Map<String, Value>, i: usize, vertices: usize) -> Result<Impac
     Ok(Impact { contact, normal, blow })
 }
 
-/// Other keys, such as the shape, are left out.
 fn striker(value: &Value, name: &str) -> Result<Striker, Error> {
     let entry =
         value.as_object().ok_or_else(|| malformed(format!("{name} is {}; it must be an object", brief(value))))?;
@@ -178,6 +177,7 @@ fn striker(value: &Value, name: &str) -> Result<Striker, Error> {
         mass: given(entry, "mass", name, positive)?,
         velocity: given(entry, "velocity", name, vector)?,
         radius: given(entry, "radius", name, positive)?,
+        shape: entry.get("shape").and_then(Value::as_str).map_or(StrikerShape::Unknown, StrikerShape::named),
     })
 }
 

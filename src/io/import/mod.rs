@@ -27,12 +27,12 @@
 //! - `dents`: which targets are dents: names or [`Patterns`], as a list or a text with commas. The others are left alone.
 //! - `impacts`: the contact and the blow of each example. It is a list of
 //!   `{"name": …, "point": [x, y, z], "contact_vertex": i, "normal": [x, y, z], "impulse": [x, y, z], "duration": t,
-//!   "striker": {"mass": m, "radius": r, "velocity": [x, y, z]}}`, or the same list as a JSON text. `point` and all
+//!   "striker": {"mass": m, "radius": r, "velocity": [x, y, z], "shape": "ball"}}`, or the same list as a JSON text. `point` and all
 //!   vectors are in the mesh's own space and unit *as exported* (y up; exporters do not turn custom properties).
 //!   `contact_vertex` is an index into the vertices of the mesh. One of `point` and `contact_vertex` is required; `point`
 //!   takes precedence. `normal` points out of the body. `impulse` (N·s, on the body), `duration` (s) and the striker's
-//!   mass (kg), radius at the contact (m) and velocity relative to the body before the touch (m/s) are optional, each
-//!   on its own ([`Blow`](crate::Blow)). Other keys are ignored. Impacts are matched to targets by name if all target
+//!   mass (kg), radius at the contact (m) and velocity relative to the body before the touch (m/s), and its shape (ball,
+//!   pole, corner or wall) are optional, each on its own ([`Blow`](crate::Blow)). Other keys are ignored. Impacts are matched to targets by name if all target
 //!   names differ and all impacts are named, otherwise by order. A target without an impact has its contact at its
 //!   deepest vertex.
 //! - `placements`: whether an example is `anchored` (stays where it was made), `carried` (moves to the hit) or
