@@ -195,11 +195,6 @@ fn quick_bounded() {
 /// example reaches its own support. A carried example reaches a ball around the contact that holds the stretched stamp.
 /// So does an anchored one that is widened, around its own contact.
 fn reaches(set: &ExampleSet, mark: &Mark, v: usize) -> bool {
-    if mark.is_predicted() {
-        // Three times as far as any example.
-        let radius = set.examples().iter().map(|e| e.support_radius()).fold(0.0, f32::max);
-        return distance(base(set, v), base(set, mark.contact as usize)) <= f64::from(3.0 * radius);
-    }
     mark.pairs.iter().filter(|p| !p.is_none()).any(|pair| {
         let e = &set.examples()[usize::from(pair.example)];
         if pair.is_anchored() && (e.delta(v as u32) != Vec3::ZERO || e.normal_delta(v as u32) != Vec3::ZERO) {
@@ -221,7 +216,7 @@ proptest! {
     #![proptest_config(scenes::cases(24))]
 
     #[test]
-    fn nothing_moves_outside_the_supports_of_the_marks(body in any_body(), count in 1usize..12, seed in any::<u64>()) {
+    fn nothing_moves_outside_the_supports_of_the_marks(body in (0..6usize).prop_map(|i| &bodies()[i]), count in 1usize..12, seed in any::<u64>()) {
         let (_, set) = body;
         let mut instance = new(set);
         for hit in random_hits(set, count, seed) {

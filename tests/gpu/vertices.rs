@@ -41,6 +41,7 @@ pub fn sets() -> Vec<(String, Arc<ExampleSet>)> {
         let (name, set) = scenes::following(body);
         all.push((format!("{name} that follows nodes"), set));
     }
+    all.push(("cube that has learned".into(), scenes::learned(&scenes::cube(6), 12, 6)));
     all
 }
 
