@@ -2,6 +2,9 @@
 // context usable.
 #include "support.h"
 
+#include <crumple_import.h>
+#include <crumple_parts.h>
+
 #include <float.h>
 
 static Sheet sheet;

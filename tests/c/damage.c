@@ -1,6 +1,8 @@
 // Damage through the C interface: marks, saving, repair, copies, limits, rules, transforms, what is written and what is not.
 #include "support.h"
 
+#include <crumple_parts.h>
+
 static Sheet sheet;
 static CrumpleContext *context;
 static CrumpleExampleSet set;

@@ -2,6 +2,8 @@
 // interface.
 #include "support.h"
 
+#include <crumple_parts.h>
+
 static Sheet sheet;
 static CrumpleContext *context;
 static CrumpleExampleSet set;
