@@ -1,5 +1,5 @@
 // Loads a mesh with morph targets, hits it, and writes the dented mesh: dent_gltf IN.glb OUT.obj
-#include <crumple.h>
+#include <crumple_import.h>
 
 #include <math.h>
 #include <stdio.h>

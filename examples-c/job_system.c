@@ -1,5 +1,5 @@
 // Runs Crumple's work on the host's own threads, and checks that the results are bit-for-bit those of Crumple's threads.
-#include <crumple.h>
+#include <crumple_build.h>
 
 #include <math.h>
 #include <pthread.h>

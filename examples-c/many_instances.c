@@ -1,5 +1,5 @@
 // Thousands of bodies share one example set. A frame hits some of them and deforms the few that are visible.
-#include <crumple.h>
+#include <crumple_build.h>
 
 #include <math.h>
 #include <stdio.h>

@@ -1,5 +1,5 @@
 // A sheet of metal, one example of a dent in its middle, and a hit somewhere else.
-#include <crumple.h>
+#include <crumple_build.h>
 
 #include <math.h>
 #include <stdio.h>

@@ -7,7 +7,8 @@
 //     CRUMPLE_VALIDATION=1 vulkan_record        runs under the Khronos validation layer
 #include "vulkan_host.h"
 
-#include <crumple.h>
+#include <crumple_build.h>
+#include <crumple_vulkan.h>
 
 #include <math.h>
 #include <stdio.h>

@@ -1,4 +1,4 @@
-// Crumple for C++17: the C interface of crumple.h with owners that clean up, and errors as exceptions.
+// Crumple for C++17: the C interface, all its headers, with owners that clean up, and errors as exceptions.
 //
 //     crumple::Context context;
 //     auto set = context.load_gltf("car.glb").value();
@@ -18,7 +18,9 @@
 #ifndef CRUMPLE_HPP
 #define CRUMPLE_HPP
 
-#include "crumple.h"
+#include "crumple_graph.h"
+#include "crumple_import.h"
+#include "crumple_parts.h"
 
 #include <cstdlib>
 #include <new>

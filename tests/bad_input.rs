@@ -9,7 +9,7 @@ use crumple::glam::{Mat4, Vec3, Vec4};
 use crumple::{
     Attachment, Attribute, Blow, Cause, Contact, Deltas, Encoding, Error, ErrorKind, ExampleData, ExampleSet, Hit,
     HitStatus, Instance, InstanceOptions, Mark, MeshData, Mirror, Pair, Placement, Rule, Selection, Serial, SetOptions,
-    Space, Striker, ThreadPool, Tracker, VertexMass, VertexMemory,
+    Space, Striker, ThreadPool, Tracker, VertexMass, VertexMemory, load_all, map_damage, save_all,
 };
 use proptest::prelude::*;
 use scenes::{Dice, Output, new, push, random_hit};
@@ -633,7 +633,7 @@ fn quick_marks_that_are_none() {
         assert_eq!(error.kind(), ErrorKind::InvalidArgument);
         still_usable(&mut instance, &marks);
         // the same in a saved file: the bytes of its one mark are replaced
-        let mut bytes = instance.save();
+        let mut bytes = version_1(instance.save());
         let at = bytes.len() - 32;
         bytes[at..at + 4].copy_from_slice(&mark.contact.to_le_bytes());
         bytes[at + 4..at + 8].copy_from_slice(&mark.depth.to_le_bytes());
@@ -662,6 +662,53 @@ fn quick_marks_that_carry_what_is_pinned() {
     still_usable(&mut instance, &[]);
 }
 
+/// What version 1 of saved damage was: without a checksum.
+fn version_1(mut bytes: Vec<u8>) -> Vec<u8> {
+    bytes[4] = 1;
+    bytes.truncate(bytes.len() - 8);
+    bytes
+}
+
+#[test]
+fn quick_every_flipped_bit_of_saved_damage() {
+    let set = scenes_set();
+    let other = Arc::new(build(triangle(), vec![dent()]).unwrap());
+    for options in [InstanceOptions::default(), InstanceOptions::classic(Rule::MostDisplaced)] {
+        let mut instance = Instance::new(set.clone(), options.clone()).unwrap();
+        let mut dice = Dice::new(7);
+        for _ in 0..4 {
+            instance.submit(&random_hit(&set, &mut dice)).unwrap();
+        }
+        let (one, all) = (instance.save(), save_all([&mut instance]));
+        let mut fresh = Instance::new(set.clone(), options).unwrap();
+        let clean = fresh.save();
+        let flipped = |bytes: &[u8], bit: usize| {
+            let mut bytes = bytes.to_vec();
+            bytes[bit / 8] ^= 1 << (bit % 8);
+            bytes
+        };
+        for bit in 0..one.len() * 8 {
+            refused!(fresh.load(&flipped(&one, bit)), DamageMismatch, "");
+            refused!(map_damage(&set, &set, &flipped(&one, bit), INF), DamageMismatch, "");
+        }
+        for bit in 0..all.len() * 8 {
+            refused!(load_all(&mut [&mut fresh], &flipped(&all, bit)), DamageMismatch, "");
+            // also where it is none of the damage to map
+            refused!(map_damage(&other, &other, &flipped(&all, bit), INF), DamageMismatch, "");
+        }
+        assert!(fresh.save() == clean);
+        fresh.load(&version_1(one.clone())).unwrap();
+        assert!(fresh.save() == one, "damage of version 1");
+        load_all(&mut [&mut fresh], &all).unwrap();
+        let mut old_all = version_1(all);
+        let size = (one.len() as u64 - 8).to_le_bytes();
+        old_all.truncate(16);
+        old_all.extend(size.into_iter().chain(version_1(one.clone())));
+        load_all(&mut [&mut fresh], &old_all).unwrap();
+        assert!(fresh.save() == one, "damage of several bodies, version 1");
+    }
+}
+
 #[test]
 fn quick_saved_damage_cut_short_or_too_long() {
     let mut instance = instance();
@@ -686,8 +733,9 @@ fn quick_saved_damage_of_another_kind_set_or_version() {
     instance.submit(&good()).unwrap();
     let marks = instance.marks().unwrap().to_vec();
     let bytes = instance.save();
+    let old = version_1(bytes.clone());
     let changed = |at: usize| {
-        let mut bytes = bytes.clone();
+        let mut bytes = old.clone();
         bytes[at] ^= 0x40;
         bytes
     };
@@ -726,7 +774,8 @@ proptest! {
             instance.submit(&random_hit(&set, &mut dice)).unwrap();
         }
         let clean = instance.save();
-        let mut bytes = clean.clone();
+        // whose bytes no checksum holds
+        let mut bytes = version_1(clean.clone());
         for _ in 0..flips {
             // mostly past the header, where every bit is checked
             let from = if dice.index(8) == 0 { 0 } else { 16.min(bytes.len() - 1) };

@@ -34,11 +34,11 @@ pub extern "C" fn crumple_allocator_def_default() -> CrumpleAllocatorDef {
     zeroed()
 }
 
-/// Makes the library allocate from your functions, in the whole process. Null restores the system's allocator. You may
-/// call this at any time. Each block is freed by the functions that allocated it, so they must stay callable.
-/// Destroying all contexts frees all blocks, except for a few kB per thread of Crumple's own, kept until process exit.
-/// A process can use at most 15 different allocators. Builds without CRUMPLE_FEATURE_HOST_ALLOCATOR return
-/// CRUMPLE_ERROR_UNSUPPORTED.
+/// Makes the library allocate from your functions, in the whole process, at any time. Null restores the system's
+/// allocator. Each block is freed by the functions that allocated it, so they must stay callable. Destroying all
+/// contexts frees all blocks, except for a few kB per thread of Crumple's own, kept until process exit. Errors:
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (more than 15 different allocators in a process), CRUMPLE_ERROR_UNSUPPORTED (a build
+/// without CRUMPLE_FEATURE_HOST_ALLOCATOR).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_allocator_set(allocator: *const CrumpleAllocatorDef) -> CrumpleResult {
     boundary("crumple_allocator_set", || {

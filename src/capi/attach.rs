@@ -3,9 +3,19 @@
 use super::check::{Out, finite, read};
 use super::context::{CrumpleContext, exclusive};
 use super::result::{CrumpleResult, Failure};
-use super::types::{CrumpleExampleSet, CrumpleInstance, CrumpleQuat, CrumpleVec3};
+use super::types::{CrumpleExampleSet, CrumpleInstance, CrumpleVec3};
 use crate::instance::attachment::Attachment;
 use bytemuck::{Pod, Zeroable};
+
+/// A rotation as a unit quaternion.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+pub struct CrumpleQuat {
+    pub x: f32,
+    pub y: f32,
+    pub z: f32,
+    pub w: f32,
+}
 
 /// A point bound to the nearest surface. Plain data: you may copy or save it. It works with every instance of its set.
 #[repr(C)]

@@ -26,11 +26,11 @@ pub extern "C" fn crumple_host_buffer_def_default() -> CrumpleHostBufferDef {
 }
 
 /// Registers your memory for an instance's deformed vertices. The first deform writes every vertex. An instance may
-/// have several buffers, such as a ring; each is updated separately. Only crumple_context_deform() touches the memory.
-/// It must exist until the buffer is unregistered or gets other memory, or its instance or context is destroyed. Memory
-/// of different buffers must not overlap; debug builds of the library check this. While an instance with eight dents or
-/// more is being hit, the library holds 24 bytes a vertex for each of its buffers. Errors: CRUMPLE_ERROR_MESH (normals or
-/// tangents that the mesh lacks), CRUMPLE_ERROR_WRONG_RULE (lod above 0 with a classic rule).
+/// have several buffers, such as a ring; each is updated separately. Only crumple_context_deform() touches the memory,
+/// which must exist until the buffer is unregistered or gets other memory, or its instance or context is destroyed.
+/// Memory of different buffers must not overlap. While an instance with eight dents or more is being hit, the library
+/// holds 24 bytes a vertex for each of its buffers. Errors: CRUMPLE_ERROR_MESH (normals or tangents that the mesh
+/// lacks), CRUMPLE_ERROR_WRONG_RULE (lod above 0 with a classic rule).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_buffer_register_host(
     context: *mut CrumpleContext,
@@ -71,9 +71,8 @@ pub unsafe extern "C" fn crumple_buffer_invalidate(
     })
 }
 
-/// Gives a host buffer other memory, perhaps for another level of detail, and invalidates it. After an error the buffer
-/// keeps its memory. Errors: those of crumple_buffer_register_host(), and CRUMPLE_ERROR_INVALID_ARGUMENT (not a
-/// host buffer).
+/// Gives a host buffer other memory, perhaps for another level of detail, and invalidates it. Errors: those of
+/// crumple_buffer_register_host(), and CRUMPLE_ERROR_INVALID_ARGUMENT (not a host buffer).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_buffer_set_memory(
     context: *mut CrumpleContext,

@@ -197,6 +197,14 @@ pub(super) unsafe fn write_array<T: Copy, N: TryFrom<usize>>(
     Ok(())
 }
 
+/// The element with an index from C.
+pub(super) fn item<'a, T>(items: &'a [T], index: u32, name: &str) -> Result<&'a T, Failure> {
+    let (index, len) = (u64::from(index), items.len() as u64);
+    items
+        .get(index as usize)
+        .ok_or_else(|| crate::base::error::Error::IndexOutOfRange { name: name.into(), index, len }.into())
+}
+
 /// Refuses NaN and infinities.
 pub(super) fn finite<const N: usize>(value: [f32; N], name: &str) -> Result<[f32; N], Failure> {
     if value.iter().all(|x| x.is_finite()) {

@@ -178,12 +178,12 @@ pub unsafe extern "C" fn crumple_context_set_contact_options(
     })
 }
 
-/// Takes contact points of the current step of the physics: all, or none if one is wrong. Report every point of every pair,
-/// also of bodies that rest or slide, and call crumple_context_step_contacts() after the step: all points of one place make
-/// one dent, at any rate of steps, and what rests, rolls, slides or jitters makes none. Two instances share the energy of
-/// a blow by how they give way. May be called from any thread at any time, except while an instance of the points or the
-/// context is being destroyed. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (names the point and its part; also more than max_points
-/// since the last step), CRUMPLE_ERROR_WRONG_RULE (an instance with a classic rule).
+/// Takes contact points of the current step of the physics: all, or none if one is wrong. Report every point of every
+/// pair, also of bodies that rest or slide, and call crumple_context_step_contacts() after the step: all points of one
+/// place make one dent, at any rate of steps, and what rests, rolls, slides or jitters makes none. Two instances share
+/// the energy of a blow by how they give way. Any thread may call it at any time. Errors:
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (names the point and its part; also more than max_points since the last step),
+/// CRUMPLE_ERROR_WRONG_RULE (an instance with a classic rule).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_report_contacts(
     context: *mut CrumpleContext,

@@ -4,15 +4,14 @@ use super::check::{Out, array, finite, write_array};
 use super::context::{CrumpleContext, exclusive};
 use super::result::{CrumpleResult, Failure};
 use super::store::State;
-use super::types::{CrumpleExampleSet, CrumpleInstance, CrumpleVec3};
+use super::types::{CrumpleInstance, CrumpleVec3};
 use crate::base::error::reserve;
 use crate::damage::mark::Mark;
 use crate::instance::archive::{of, pack, unpack};
-use crate::instance::mapped::map_damage;
 use std::ffi::c_void;
 
-/// Copies an instance's marks to an array of capacity marks; see "Arrays" at the top. The marks are sorted, so that the
-/// order of hits does not matter. CRUMPLE_ERROR_WRONG_RULE: classic rules have no marks.
+/// Copies an instance's marks, sorted, so that the order of hits does not matter. CRUMPLE_ERROR_WRONG_RULE: classic
+/// rules have no marks.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_get_marks(
     context: *mut CrumpleContext,
@@ -44,8 +43,7 @@ pub unsafe extern "C" fn crumple_instance_set_marks(
     })
 }
 
-/// Saves an instance's damage as bytes that are equal on all machines. They include a version and the set's
-/// fingerprint. data has capacity bytes of any alignment; see "Arrays" at the top.
+/// Saves an instance's damage as bytes that are equal on all machines, with a version and the set's fingerprint.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_save_damage(
     context: *mut CrumpleContext,
@@ -62,9 +60,9 @@ pub unsafe extern "C" fn crumple_instance_save_damage(
     })
 }
 
-/// Replaces an instance's damage with saved damage: size bytes at data, of any alignment. Discards pending hits and ends
-/// contacts. Errors: CRUMPLE_ERROR_DAMAGE_MISMATCH (another set, version or rule, or cut short),
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (a mark that the set cannot have).
+/// Replaces an instance's damage with the size bytes of saved damage at data. Discards pending hits and ends contacts.
+/// Errors: CRUMPLE_ERROR_DAMAGE_MISMATCH (another set, version or rule, or cut short), CRUMPLE_ERROR_INVALID_ARGUMENT
+/// (a mark that the set cannot have).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_load_damage(
     context: *mut CrumpleContext,
@@ -79,7 +77,7 @@ pub unsafe extern "C" fn crumple_instance_load_damage(
 }
 
 /// Saves the damage of count instances, or of all instances of the context by increasing index if instances is null and
-/// count 0, as one piece of bytes. data has capacity bytes of any alignment; see "Arrays" at the top.
+/// count 0, as one piece of bytes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_save_damage(
     context: *mut CrumpleContext,
@@ -140,64 +138,6 @@ unsafe fn listed(
     }
     let all = instances.is_null();
     Ok(if all { state.instances.iter().map(|(id, _)| id).collect() } else { given.to_vec() })
-}
-
-/// What crumple_example_set_map_damage() did with the marks.
-#[repr(C)]
-#[derive(Debug, Clone, Copy)]
-pub struct CrumpleDamageMapping {
-    /// Marks whose contact has a vertex at the same position in the new set.
-    pub kept: u32,
-    /// Marks that are now at another position, the nearest vertex.
-    pub moved: u32,
-    /// Marks left out because the nearest vertex is further than max_distance.
-    pub too_far: u32,
-    /// Marks left out because an example of theirs is missing in the new set.
-    pub without_example: u32,
-    /// The furthest that a mark moved, m.
-    pub distance: f32,
-    /// How many examples are missing that marks need, and the first of them: its index in the old set. 0xFFFFFFFF: none.
-    pub missing_examples: u32,
-    pub first_missing_example: u32,
-}
-
-/// Maps damage that was saved with old_set to set, another revision of it: a changed mesh, other examples. Each mark goes
-/// to the nearest vertex, at most max_distance away, m (0 to infinity). An example is the one of the same name; of several
-/// with one name, the n-th, if both sets have as many. A mark that does not fit is left out as a whole. data is what
-/// crumple_instance_save_damage() or crumple_context_save_damage() gave; in the latter, damage of other sets stays as it
-/// is. mapped has capacity bytes; see "Arrays" at the top. out_mapping may be null. Errors: CRUMPLE_ERROR_DAMAGE_MISMATCH
-/// (not old_set's, or another version, a classic rule, or cut short), CRUMPLE_ERROR_INVALID_ARGUMENT (a mark
-/// that old_set cannot have, or max_distance).
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_example_set_map_damage(
-    context: *mut CrumpleContext,
-    set: CrumpleExampleSet,
-    old_set: CrumpleExampleSet,
-    data: *const c_void,
-    size: usize,
-    max_distance: f32,
-    mapped: *mut c_void,
-    capacity: usize,
-    out_size: *mut usize,
-    out_mapping: *mut CrumpleDamageMapping,
-) -> CrumpleResult {
-    exclusive("crumple_example_set_map_damage", context, |_, state| {
-        let (out, mapping) = (Out::new(out_size, "out_size")?, Out::optional(out_mapping, "out_mapping")?);
-        let bytes = array(data.cast::<u8>(), size, "data")?;
-        let (to, from) = (&state.sets.get(set, "set")?.set, &state.sets.get(old_set, "old_set")?.set);
-        let (new, done) = map_damage(from, to, bytes, max_distance)?;
-        write_array(&new, mapped.cast::<u8>(), capacity, "mapped", out)?;
-        mapping.write(CrumpleDamageMapping {
-            kept: done.kept as u32,
-            moved: done.moved as u32,
-            too_far: done.too_far as u32,
-            without_example: done.without_example as u32,
-            distance: done.distance,
-            missing_examples: done.missing_examples.len() as u32,
-            first_missing_example: done.missing_examples.first().map_or(u32::MAX, |e| u32::from(*e)),
-        });
-        Ok(())
-    })
 }
 
 /// Repairs an instance. Every dent keeps this share of its depth: 0 (as new) to 1 (unchanged). Ends contacts.

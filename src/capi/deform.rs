@@ -29,12 +29,11 @@ pub struct CrumpleDeformReport {
     pub reserved: [u64; 3],
 }
 
-/// Limits how many vertices one crumple_context_deform(), crumple_vulkan_record(), ..._submit() or crumple_graph_plan()
-/// writes, for frames with more hits than time. 0, as at first: no limit. A buffer is written whole or not at all. The
-/// buffers whose waiting would be seen most come first, by the vertices to write, the calls that they have waited, and
-/// how near they are as their tolerances tell; see crumple_instance_set_view(). The others follow in later calls, with
-/// the same vertices. A buffer that does not show its instance yet never waits, and every call writes at least one
-/// buffer.
+/// Limits how many vertices one crumple_context_deform(), recording, submit or plan writes, for frames with more hits
+/// than time. 0, as at first: no limit. A buffer is written whole or not at all. Those whose waiting would be seen most
+/// come first, by their vertices, how long they have waited, and how near they are; see crumple_instance_set_view().
+/// The others follow in later calls, with the same vertices. A buffer that does not show its instance yet never waits,
+/// and every call writes at least one buffer.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_set_vertex_budget(
     context: *mut CrumpleContext,
@@ -46,12 +45,11 @@ pub unsafe extern "C" fn crumple_context_set_vertex_budget(
     })
 }
 
-/// Writes the deformed vertices of count host buffers, or of all host buffers of the context if buffers is null and
-/// count 0. It writes only what changed since the last write of each buffer, in parallel over all of them, and is cheap
-/// without changes. With null and 0 it also applies the pending hits of instances without a buffer, so that damage does
-/// not depend on which bodies are visible. Nobody else may read or write the memory during the call. out_report may be
-/// null. CRUMPLE_ERROR_INVALID_ARGUMENT (no vertex was written): a buffer twice, not a host buffer, or overlapping
-/// memory in debug builds.
+/// Writes what changed since the last write of count host buffers, or of all host buffers of the context if buffers is
+/// null and count 0, in parallel. It is cheap without changes. With null and 0 it also applies the pending hits of
+/// instances without a buffer, so that damage does not depend on which bodies are visible. Nobody else may read or
+/// write the memory during the call. out_report may be null. CRUMPLE_ERROR_INVALID_ARGUMENT (no vertex was written): a
+/// buffer twice, not a host buffer, or overlapping memory in debug builds.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_deform(
     context: *mut CrumpleContext,
@@ -183,7 +181,7 @@ fn apart<'a>(entries: impl Iterator<Item = (CrumpleBuffer, &'a BufferEntry)>) ->
 }
 
 /// Returns the buffers that the last crumple_context_deform() and the last recording or submit wrote to, by increasing
-/// index, so that you need not ask each. buffers has room for capacity ids; see "Arrays" at the top.
+/// index, so that you need not ask each.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_get_changed_buffers(
     context: *mut CrumpleContext,
@@ -205,10 +203,9 @@ fn c_ranges(ranges: &[Range<u32>]) -> Result<Vec<CrumpleRange>, Failure> {
     Ok(found)
 }
 
-/// Returns the vertices written by the last deform or recording that included the buffer, by id or with null and 0.
-/// They are increasing ranges that do not overlap. Also returns the bounds of all its vertices, m, which may be too
-/// large for a buffer on a device. Use them for uploads, refits and culling. ranges has room for capacity ranges; see
-/// "Arrays" at the top. out_bounds may be null.
+/// Returns the vertices written by the last deform or recording that included the buffer, by id or with null and 0, as
+/// increasing ranges that do not overlap. out_bounds, which may be null, receives the bounds of all vertices, m; they
+/// may be too large for a buffer on a device. Use both for uploads, refits and culling.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_buffer_get_changes(
     context: *mut CrumpleContext,
@@ -233,11 +230,10 @@ pub unsafe extern "C" fn crumple_buffer_get_changes(
     })
 }
 
-/// Returns the triangles with a vertex that crumple_buffer_get_changes() returns, in the order of the indices of the
-/// buffer's mesh, as increasing ranges that do not overlap. out_bounds receives a box around those vertices as they were
-/// before and as they are now, m, for the partial refit of a collider; zeros without changes. It may be null. ranges has
-/// room for capacity ranges; see "Arrays" at the top. The time is linear in the triangles. Errors:
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (not a host buffer), CRUMPLE_ERROR_MESH (a mesh without indices).
+/// Returns the triangles with a vertex that crumple_buffer_get_changes() returns, as increasing ranges that do not
+/// overlap, in the order of the mesh's indices. out_bounds, which may be null, receives a box around those vertices
+/// before and now, m, for the partial refit of a collider; zeros without changes. The time is linear in the triangles.
+/// Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (not a host buffer), CRUMPLE_ERROR_MESH (a mesh without indices).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_buffer_get_changed_triangles(
     context: *mut CrumpleContext,
@@ -269,7 +265,7 @@ pub unsafe extern "C" fn crumple_buffer_get_changed_triangles(
 
 #[cfg(test)]
 mod tests {
-    use super::super::{buffer::*, context::*, host_memory::*, instance::*, set::*, types::*};
+    use super::super::{buffer::*, build::*, context::*, host_memory::*, instance::*, memory::*, types::*};
     use super::*;
 
     fn stream(memory: &mut [f32], first: usize) -> CrumpleStream {

@@ -19,9 +19,8 @@ use super::vulkan_types::{CrumpleRecordReport, CrumpleVulkanBufferDef};
 use crate::graph::{self, GraphBuffer};
 use std::ffi::c_void;
 
-/// Returns a compute shader for a render graph that takes SPIR-V, such as Godot's RenderingDevice. It is SPIR-V 1.3 with
-/// the entry point "main". Make a pipeline of it when a dispatch first names its number. data has capacity bytes of any
-/// alignment; see "Arrays" at the top.
+/// Returns a compute shader for a render graph that takes SPIR-V, such as Godot's RenderingDevice. It is SPIR-V 1.3
+/// with the entry point "main". Make a pipeline of it when a dispatch first names its number.
 ///
 /// All kernels have 32 bytes of push constants and three storage buffers: a storage (set 0, binding 0, read), the work
 /// (set 0, binding 1, read) and your vertex buffer from its first byte on (set 1, binding 0, read and written). Errors:

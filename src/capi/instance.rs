@@ -1,10 +1,10 @@
 //! Instances: bodies in the scene.
 
-use super::check::{Out, boolean, def, defs, enumerator, finite, positive_or, read, zeroed};
+use super::check::{Out, def, defs, enumerator, finite, positive_or, read, zeroed};
 use super::context::{CrumpleContext, concurrent, exclusive};
 use super::result::{CrumpleResult, Failure};
 use super::store::InstanceEntry;
-use super::types::{CrumpleBuffer, CrumpleExampleSet, CrumpleInstance, CrumpleRule, CrumpleSelection};
+use super::types::{CrumpleExampleSet, CrumpleInstance, CrumpleRule, CrumpleSelection};
 use crate::instance::Instance;
 use crate::instance::options::{InstanceOptions, Rule};
 use crate::select::hit::Selection;
@@ -24,7 +24,7 @@ pub struct CrumpleInstanceDef {
     pub rule: MaybeUninit<CrumpleRule>,
     /// How a classic rule selects an example. CRUMPLE_RULE_MARKS needs the default.
     pub selection: MaybeUninit<CrumpleSelection>,
-    /// Most marks kept, 1 to 65535, 32 bytes each. Above, the weakest mark merges into the nearest. Default 64.
+    /// Most marks kept, 1 to 65535. Above, the weakest mark merges into the nearest. Default 64.
     pub mark_capacity: u32,
     /// No vertex moves further than this, m. Default 0: the set's limit.
     pub depth_limit: f32,
@@ -84,7 +84,7 @@ pub extern "C" fn crumple_instance_def_default() -> CrumpleInstanceDef {
     }
 }
 
-/// Creates an undamaged instance: a few hundred bytes, plus 8 bytes per 128 vertices.
+/// Creates an undamaged instance.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_create(
     context: *mut CrumpleContext,
@@ -188,11 +188,10 @@ pub unsafe extern "C" fn crumple_instance_get_info(
     })
 }
 
-/// Sets the transform of an instance: local_to_world points to 16 floats, column-major (element 4 * column + row, as in
-/// glTF and Vulkan), translation in elements 12 to 14, m, last row 0 0 0 1. It may scale and shear, but must be
-/// invertible. Hits in CRUMPLE_SPACE_WORLD use the inverse of the transform at the time of the call: in full for
-/// points, without translation for impulses and displacements. Deformed vertices are in the mesh's space. May be called
-/// from any thread at any time.
+/// Sets the transform: local_to_world points to 16 floats, column-major (element 4 * column + row, as in glTF and
+/// Vulkan), translation in elements 12 to 14, m, last row 0 0 0 1. It may scale and shear, but must be invertible. Hits
+/// in CRUMPLE_SPACE_WORLD use its inverse at the time of the call, without translation for vectors. Deformed vertices
+/// are in the mesh's space. Any thread may call it at any time.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_set_transform(
     context: *mut CrumpleContext,
@@ -206,7 +205,7 @@ pub unsafe extern "C" fn crumple_instance_set_transform(
     })
 }
 
-/// Limits how far a vertex moves, m. The next deform or recording applies it. 0: the set's limit. Marks are kept, and
+/// Limits how far a vertex moves, m, from the next deform or recording on. 0: the set's limit. Marks are kept, and
 /// their full depth returns when the limit is raised.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_set_depth_limit(
@@ -220,10 +219,9 @@ pub unsafe extern "C" fn crumple_instance_set_depth_limit(
     })
 }
 
-/// Sets the time, s, for instances with a grow_time. Call it once a frame before deforming. What is shown of a dent that
-/// appears, changes or is repaired goes evenly to where its mark puts it, from the time that was set when the change was
-/// read (see "Reads" at the top). Marks change at once; vertices and attached points follow. Damage that is set, loaded,
-/// copied or reset is shown at once. Costs nothing if no dent grows.
+/// Sets the time, s, for instances with a grow_time. Call it once a frame before deforming. The vertices and attached
+/// points of a dent that appears, changes or is repaired go evenly to where its mark puts them, from the time that was
+/// set when the change was read. Marks change at once. Damage that is set, loaded, copied or reset is shown at once.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_set_time(context: *mut CrumpleContext, time: f64) -> CrumpleResult {
     exclusive("crumple_context_set_time", context, |_, state| {
@@ -239,9 +237,9 @@ pub unsafe extern "C" fn crumple_context_set_time(context: *mut CrumpleContext, 
 }
 
 /// Allows an error of up to tolerance in vertex positions, m, in the mesh's space. Deforming then skips small
-/// displacements and is cheaper. 0: none are skipped. Seams stay closed. The value is rounded down to a power of two in
-/// metres, so that you may set it from crumple_pixel_tolerance() every frame. When the rounded value changes, the next
-/// deform writes every dented block. Classic rules ignore it.
+/// displacements and is cheaper. 0: none. Seams stay closed. The value is rounded down to a power of two in metres, so
+/// that you may set it from crumple_pixel_tolerance() every frame. When the rounded value changes, the next deform
+/// writes every dented block. Classic rules ignore it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_set_tolerance(
     context: *mut CrumpleContext,
@@ -254,12 +252,11 @@ pub unsafe extern "C" fn crumple_instance_set_tolerance(
     })
 }
 
-/// Chooses how finely to show an instance where errors of so many pixels do not matter, such as 0.5. out_lod receives
-/// the level of detail to show: the coarsest whose edges cover at most 16 times as many pixels in the mean. For a set
-/// without levels of detail it sets the tolerance to as many pixels; with levels, a tolerance saves nothing more, and is
-/// set to 0. distance, m, in the mesh's space: from the camera to the nearest point of the instance. fov_y, radians: the
-/// vertical field of view. viewport_height: pixels. Cheap; call it every frame. out_lod may be null. Not for sets whose
-/// further meshes are parts of the body.
+/// Chooses how finely to show an instance where errors of so many pixels do not matter, such as 0.5. out_lod, which may
+/// be null, receives the level of detail to show: the coarsest whose mean edge covers at most 16 * pixels on screen.
+/// Without levels of detail, sets the tolerance to as many pixels; with them, to 0. distance, m, in the mesh's space:
+/// from the camera to the nearest point of the instance. fov_y: the vertical field of view, radians. viewport_height:
+/// pixels. Cheap; call it every frame. Not for sets whose further meshes are parts of the body.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_set_view(
     context: *mut CrumpleContext,
@@ -279,104 +276,9 @@ pub unsafe extern "C" fn crumple_instance_set_view(
     })
 }
 
-/// Takes a part off a body: mesh part of the set, a number from crumple_example_set_add_lod(). The base mesh is then the
-/// whole body, and each part has vertices at the positions of base vertices. out_part receives an instance of its own
-/// with the same options, transform and damage, and the body's buffers of the mesh become that instance's. Hits on it
-/// land only on the part. Hits on the body land only on what is left. The call indexes the base mesh. Errors:
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (0, a part that is off already, the last part, a mesh without base vertices of its own),
-/// CRUMPLE_ERROR_WRONG_RULE.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_instance_release_part(
-    context: *mut CrumpleContext,
-    instance: CrumpleInstance,
-    part: u32,
-    out_part: *mut CrumpleInstance,
-) -> CrumpleResult {
-    exclusive("crumple_instance_release_part", context, |context, state| {
-        let out = Out::new(out_part, "out_part")?;
-        let mut inboxes = context.inboxes.write().unwrap_or_else(PoisonError::into_inner);
-        state.instances.reserve::<CrumpleInstance>()?;
-        inboxes.reserve::<CrumpleInstance>()?;
-        let body = state.instances.get_mut(instance, "instance")?;
-        let released = body.instance.release(part as usize)?;
-        let is_of_part =
-            |buffer: &CrumpleBuffer| state.buffers.get(*buffer, "buffer").is_ok_and(|entry| entry.lod == part as usize);
-        let (moved, kept) = body.buffers.iter().partition(|buffer| is_of_part(buffer));
-        body.buffers = kept;
-        let set = body.set;
-        let inbox: CrumpleInstance = inboxes.insert(released.inbox().clone());
-        let id = state.instances.insert(InstanceEntry { instance: released, set, buffers: moved });
-        assert_eq!(inbox, id, "the two lists of instances went apart");
-        for buffer in &state.instances.get(id, "part")?.buffers {
-            state.buffers.get_mut(*buffer, "buffer")?.owner = id;
-        }
-        out.write(id);
-        Ok(())
-    })
-}
-
-/// Puts a released part on its body again, or with false takes it off. It keeps its damage, instance and buffers. Hits on
-/// the body, and the ends of their contacts, also reach the parts that are on it; other changes of damage do not. The call
-/// indexes the base mesh. CRUMPLE_ERROR_INVALID_ARGUMENT: not a part of this body, or one that is on, or off, already.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_instance_mount_part(
-    context: *mut CrumpleContext,
-    instance: CrumpleInstance,
-    part: CrumpleInstance,
-    mounted: MaybeUninit<bool>,
-) -> CrumpleResult {
-    exclusive("crumple_instance_mount_part", context, |context, state| {
-        let mounted = boolean(mounted);
-        // Hits that were selected for the body as it is have arrived, and no other arrives meanwhile.
-        let _no_hits = context.inboxes.write().unwrap_or_else(PoisonError::into_inner);
-        let (body, part) = state.instances.get_two_mut((instance, "instance"), (part, "part"))?;
-        let (body, part) = (&mut body.instance, &mut part.instance);
-        Ok(if mounted { body.mount(part) } else { body.unmount(part) }?)
-    })
-}
-
-/// Makes a part rigid, such as glass, or no longer. Hits on it leave no mark; their status is CRUMPLE_HIT_STATUS_RIGID. To
-/// keep its vertices in place too, register no buffer for it. Errors as for crumple_instance_release_part().
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_instance_set_part_rigid(
-    context: *mut CrumpleContext,
-    instance: CrumpleInstance,
-    part: u32,
-    rigid: MaybeUninit<bool>,
-) -> CrumpleResult {
-    exclusive("crumple_instance_set_part_rigid", context, |_, state| {
-        let rigid = boolean(rigid);
-        Ok(state.instances.get_mut(instance, "instance")?.instance.set_rigid(part as usize, rigid)?)
-    })
-}
-
-/// Measures how far the vertices of mesh lod have moved, m: the furthest, and their mean. out_energy receives the depth of
-/// one hit that has the energy of all marks whose contact is on the mesh, m; it grows with every hit. Dents count in full
-/// while they grow, and tolerance leaves out nothing, so all are equal on all machines. Takes about as long as a deform of
-/// the whole mesh. Any output may be null.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_instance_measure_part(
-    context: *mut CrumpleContext,
-    instance: CrumpleInstance,
-    lod: u32,
-    out_deepest: *mut f32,
-    out_mean: *mut f32,
-    out_energy: *mut f32,
-) -> CrumpleResult {
-    exclusive("crumple_instance_measure_part", context, |_, state| {
-        let outs = (Out::optional(out_deepest, "out_deepest")?, Out::optional(out_mean, "out_mean")?);
-        let energy = Out::optional(out_energy, "out_energy")?;
-        let damage = state.instances.get_mut(instance, "instance")?.instance.measure(lod as usize)?;
-        outs.0.write(damage.deepest);
-        outs.1.write(damage.mean);
-        energy.write(damage.energy);
-        Ok(())
-    })
-}
-
-/// Returns the length, m, that covers a number of pixels at a distance, m, for a camera with this vertical field of
-/// view, radians, and viewport height, pixels. Use it as the tolerance of an instance whose nearest vertex is at that
-/// distance. Returns 0 for invalid arguments: negative or NaN, a field of view of 0 or at least pi, a height of 0.
+/// Returns the length, m, that covers a number of pixels at a distance, m, for a camera as in
+/// crumple_instance_set_view(), or 0 for invalid arguments: negative or NaN, a field of view of 0 or at least pi, a
+/// height of 0.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_pixel_tolerance(pixels: f32, distance: f32, fov_y: f32, viewport_height: f32) -> f32 {
     crate::deform::tolerance::pixel_tolerance(pixels, distance, fov_y, viewport_height)

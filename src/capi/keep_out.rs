@@ -1,9 +1,9 @@
 //! Depth limits from the solids that dents must not enter.
 
 use super::boundary::boundary;
+use super::build::{CrumpleMeshDef, read_mesh};
 use super::check::{array, usable};
 use super::result::CrumpleResult;
-use super::set::{CrumpleMeshDef, read_mesh};
 use super::types::CrumpleVec3;
 use crate::base::error::reserve;
 use crate::base::tasks::Serial;

@@ -1,17 +1,19 @@
 //! Example sets from files.
 
-use super::c_enum::c_enums;
-use super::check::{Out, array, def, defs, enumerator, required_string, write_array, zeroed};
+#[cfg(feature = "gltf")]
+use super::build::read_options;
+use super::build::{CrumpleExampleSetOptions, default_options};
+use super::check::{Out, array, def, defs, item, required_string, zeroed};
 #[cfg(feature = "gltf")]
 use super::check::{boolean, string};
 use super::context::{Context, CrumpleContext, exclusive};
+use super::primitive::CrumplePrimitive;
 use super::result::{CrumpleResult, Failure};
-use super::set::{CrumpleExampleSetOptions, default_options, insert_set};
 #[cfg(feature = "gltf")]
-use super::set::{c_string, read_options};
+use super::set::{c_string, insert_set};
 use super::store::State;
 use super::tasks::Quiet;
-use super::types::{CrumpleExampleSet, CrumplePrimitive};
+use super::types::CrumpleExampleSet;
 use crate::example::set::ExampleSet;
 use std::ffi::{c_char, c_void};
 use std::mem::MaybeUninit;
@@ -168,89 +170,6 @@ pub unsafe extern "C" fn crumple_example_set_load_obj(
     })
 }
 
-/// Whether the bytes of a baked set are copied.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(dead_code)] // made by C
-pub enum CrumpleBytes {
-    /// The bytes are copied. Free them after the call.
-    Copy = 0,
-    /// The bytes are used in place. They must stay readable and unchanged until the set and all its instances are
-    /// destroyed, or the context is; if the set is shared, in all its contexts. Bytes whose address is not a multiple of
-    /// 16 are copied.
-    Keep = 1,
-}
-
-c_enums!(CrumpleBytes::Keep);
-
-/// Loads an example set from the size bytes of a .crumple file at data, written by "crumple bake" or
-/// crumple_example_set_save_baked(). Loading builds nothing and is fast. All bytes are validated. The set has one
-/// primitive, no name and no node transform. Errors: CRUMPLE_ERROR_FORMAT (damaged, cut short, or not a baked set),
-/// CRUMPLE_ERROR_UNSUPPORTED (another format version).
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_example_set_load_baked_memory(
-    context: *mut CrumpleContext,
-    data: *const c_void,
-    size: usize,
-    bytes: MaybeUninit<CrumpleBytes>,
-    out_set: *mut CrumpleExampleSet,
-) -> CrumpleResult {
-    exclusive("crumple_example_set_load_baked_memory", context, |context, state| {
-        let out = Out::new(out_set, "out_set")?;
-        let keep = enumerator(bytes, "bytes")? == CrumpleBytes::Keep;
-        let bytes: &'static [u8] = array(data.cast::<u8>(), size, "data")?;
-        state.sets.reserve::<CrumpleExampleSet>()?;
-        let tasks = Quiet(context.tasks());
-        let set = if keep { ExampleSet::load(bytes, &tasks) } else { ExampleSet::load_copy(bytes, &tasks) }?;
-        add_baked(context, state, set, out);
-        Ok(())
-    })
-}
-
-/// Like crumple_example_set_load_baked_memory(), but reads a file into memory. path is UTF-8. Also returns
-/// CRUMPLE_ERROR_IO.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_example_set_load_baked(
-    context: *mut CrumpleContext,
-    path: *const c_char,
-    out_set: *mut CrumpleExampleSet,
-) -> CrumpleResult {
-    exclusive("crumple_example_set_load_baked", context, |context, state| {
-        let out = Out::new(out_set, "out_set")?;
-        let path = required_string(path, "path")?;
-        state.sets.reserve::<CrumpleExampleSet>()?;
-        let set = ExampleSet::load_file(path, &Quiet(context.tasks()))?;
-        add_baked(context, state, set, out);
-        Ok(())
-    })
-}
-
-/// Writes an example set as the bytes of a .crumple file, equal on all machines. data has capacity bytes of any
-/// alignment; see "Arrays" at the top.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_example_set_save_baked(
-    context: *mut CrumpleContext,
-    set: CrumpleExampleSet,
-    data: *mut c_void,
-    capacity: usize,
-    out_size: *mut usize,
-) -> CrumpleResult {
-    exclusive("crumple_example_set_save_baked", context, |_, state| {
-        let out = Out::new(out_size, "out_size")?;
-        let set = &state.sets.get(set, "set")?.set;
-        if data.is_null() && capacity == 0 {
-            out.write(set.saved_bytes());
-            return Ok(());
-        }
-        write_array(&set.save()?, data.cast::<u8>(), capacity, "data", out)
-    })
-}
-
-fn add_baked(context: &Context, state: &mut State, set: ExampleSet, out: Out<CrumpleExampleSet>) {
-    let whole = CrumplePrimitive::new(0..set.vertex_count() as u32, 0..set.mesh().triangles().len() as u32);
-    insert_set(context, state, set, (c"".into(), vec![whole], Vec::new(), None), out);
-}
-
 #[cfg(feature = "gltf")]
 unsafe fn patterns(text: *const c_char, name: &str) -> Result<crate::io::import::Patterns, Failure> {
     let lines = string(text, name)?.unwrap_or_default().lines();
@@ -314,4 +233,40 @@ unsafe fn add_imported(
     let id = insert_set(context, state, set, file, out);
     state.sets.get_mut(id, "set")?.parts = parts.into_iter().map(|part| part.name).collect();
     Ok(())
+}
+
+/// Returns the vertices and triangles of the part with an index below primitive_count.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_example_set_get_primitive(
+    context: *mut CrumpleContext,
+    set: CrumpleExampleSet,
+    primitive: u32,
+    out_primitive: *mut CrumplePrimitive,
+) -> CrumpleResult {
+    exclusive("crumple_example_set_get_primitive", context, |_, state| {
+        let out = Out::new(out_primitive, "out_primitive")?;
+        out.write(*item(&state.sets.get(set, "set")?.primitives, primitive, "primitive")?);
+        Ok(())
+    })
+}
+
+/// Returns the number of a part by the name of its node, or of the node's mesh if the node has none: a lod, 1 and up. The
+/// first of that name. Only for sets that were loaded with join_nodes; baked sets keep the numbers, not the names.
+/// CRUMPLE_ERROR_INVALID_ARGUMENT: no such part.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_example_set_find_part(
+    context: *mut CrumpleContext,
+    set: CrumpleExampleSet,
+    name: *const c_char,
+    out_lod: *mut u32,
+) -> CrumpleResult {
+    exclusive("crumple_example_set_find_part", context, |_, state| {
+        let (name, out) = (required_string(name, "name")?, Out::new(out_lod, "out_lod")?);
+        let parts = &state.sets.get(set, "set")?.parts;
+        let at = parts.iter().position(|part| part == name).ok_or_else(|| {
+            Failure::invalid(format!("name is '{name}'; it must be one of the set's {} parts: {parts:?}", parts.len()))
+        })?;
+        out.write(at as u32 + 1);
+        Ok(())
+    })
 }

@@ -1,9 +1,23 @@
 //! The caller's arrays, checked before a byte is touched: pointers, alignment, strides, sizes.
 
 use super::result::{CrumpleResult, Failure};
-use super::types::{CrumpleInput, CrumpleStream};
+use super::types::CrumpleStream;
 use crate::base::error::reserve;
 use crate::base::strided::Strided;
+use std::ffi::c_void;
+
+/// An array that Crumple reads during the call. Element i is at data + i * stride. The field that uses it states count
+/// and type. All fields zero: absent.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct CrumpleInput {
+    /// First element, aligned to its type (4 bytes; 2 for 16-bit indices). Null: absent.
+    pub data: *const c_void,
+    /// Readable bytes at data: at least (count - 1) * stride + the size of one element.
+    pub size: usize,
+    /// Bytes from one element to the next: at least the size of one element, a multiple of its alignment. Not 0.
+    pub stride: usize,
+}
 
 /// Where the elements of an array lie: by address. Checks that `count` elements of `element` bytes fit into `size` bytes at
 /// `data + offset`.

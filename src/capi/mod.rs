@@ -1,4 +1,5 @@
-//! The C interface, and the only place that knows C. `cargo xtask header` generates `include/crumple.h` from these files.
+//! The C interface, and the only place that knows C. `cargo xtask header` generates the headers in `include` from these files;
+//! its list (`xtask/src/header.rs`) says which file goes into which header.
 //!
 //! Every entry point runs inside [`boundary`]: pointers are checked, outputs are written on success, errors and panics become a
 //! [`result::CrumpleResult`] and a text. C can store any number in an enum or a `bool`: such fields are `MaybeUninit`, which
@@ -6,9 +7,9 @@
 //!
 //! Layers, each of which uses only those before it:
 //! 1. `result`, `c_enum`, `boundary`, `check`, `types`, `memory`, `ids`, `tasks`: what every call needs;
-//! 2. `host_memory`, `vulkan_types`, `job_lists`, `graph_types`, `device`, `store`: what a context holds;
+//! 2. `primitive`, `host_memory`, `vulkan_types`, `job_lists`, `graph_types`, `device`, `store`: what a context holds;
 //! 3. `context`: who may be inside when;
-//! 4. `jobs`, and the entry points: `set`, `load`, `instance`, `hit` and so on.
+//! 4. `jobs`, and the entry points: `set`, `build`, `instance`, `hit` and so on.
 //!
 //! # Safety
 //! One contract holds for every `unsafe fn` below that states none of its own. Each pointer that a C caller passes, as an argument
@@ -18,52 +19,47 @@
 #![allow(unsafe_op_in_unsafe_fn)]
 #![cfg_attr(not(feature = "vulkan"), allow(irrefutable_let_patterns))]
 
-// These add to the header, in the order in which a user meets them.
+// crumple.h
+mod allocator;
+mod buffer;
+mod contacts;
+mod context;
+mod damage;
+mod deform;
+mod hit;
+mod host_memory;
+mod instance;
+mod result;
+mod set;
+mod set_info;
+mod tasks;
+mod types;
 mod version;
 
-mod result;
-
-mod types;
-
-mod allocator;
-
-mod tasks;
-
-mod context;
-
-mod set;
-
+// crumple_build.h
+mod build;
+mod example_info;
 mod keep_out;
+mod map_damage;
+mod memory;
 
+// crumple_import.h
 mod load;
+mod primitive;
 
-mod set_info;
+// crumple_parts.h
+mod attach;
+mod parts;
 
-mod instance;
-
-mod hit;
-
-mod contacts;
-
-mod damage;
-
-mod host_memory;
-
-mod buffer;
-
-mod deform;
-
+// crumple_vulkan.h
+mod vulkan;
 mod vulkan_types;
 
-mod vulkan;
-
+// crumple_graph.h
+mod graph;
 mod graph_types;
 
-mod graph;
-
-mod attach;
-
-// These do not.
+// No header.
 mod boundary;
 mod c_enum;
 mod check;
@@ -73,7 +69,6 @@ mod ids;
 mod job_lists;
 #[cfg(feature = "vulkan")]
 mod jobs;
-mod memory;
 mod store;
 
 #[cfg(test)]
@@ -84,8 +79,9 @@ mod thread_tests;
 #[doc(hidden)]
 pub mod entry_points {
     pub use super::{
-        allocator::*, attach::*, buffer::*, contacts::*, context::*, damage::*, deform::*, graph::*, graph_types::*,
-        hit::*, host_memory::*, instance::*, keep_out::*, load::*, result::*, set::*, set_info::*, tasks::*, types::*,
-        version::*, vulkan::*, vulkan_types::*,
+        allocator::*, attach::*, buffer::*, build::*, contacts::*, context::*, damage::*, deform::*, example_info::*,
+        graph::*, graph_types::*, hit::*, host_memory::*, instance::*, keep_out::*, load::*, map_damage::*, memory::*,
+        parts::*, primitive::*, result::*, set::*, set_info::*, tasks::*, types::*, version::*, vulkan::*,
+        vulkan_types::*,
     };
 }

@@ -1,267 +1,83 @@
-//! Example sets from the caller's arrays.
+//! Example sets: loaded from baked files, shared, destroyed.
 
 use super::c_enum::c_enums;
-use super::check::{Out, boolean, def, defs, enumerator, finite, positive_or, striker, string, zeroed};
+use super::check::{Out, array, enumerator, required_string};
 use super::context::{Context, CrumpleContext, CrumpleLogLevel, exclusive, look_into};
-use super::memory::{read, read_required};
+use super::primitive::CrumplePrimitive;
 use super::result::{CrumpleResult, Failure};
 use super::store::{SetEntry, State};
 use super::tasks::Quiet;
-use super::types::{CrumpleExampleSet, CrumpleInput, CrumplePrimitive, CrumpleStriker, CrumpleVec3};
-use crate::base::error::reserve;
-use crate::example::blow::Blow;
-use crate::example::data::{Contact, Deltas, ExampleData, Placement};
-use crate::example::options::{Seams, SetOptions, VertexMass};
+use super::types::CrumpleExampleSet;
 use crate::example::set::ExampleSet;
-use crate::mesh::data::MeshData;
-use std::ffi::{CString, c_char};
+use std::ffi::{CString, c_char, c_void};
 use std::mem::MaybeUninit;
 use std::sync::Arc;
 
-/// A level of detail further than this from the base surface is doubted, as a share of the body's diagonal.
-const FAR_OFF: f32 = 0.1;
-
-/// The type of triangle indices. CRUMPLE_INDEX_TYPE_U32 is the default.
+/// Whether the bytes of a baked set are copied.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(dead_code)] // made by C
-pub enum CrumpleIndexType {
-    U32 = 0,
-    U16 = 1,
+pub enum CrumpleBytes {
+    /// The bytes are copied. Free them after the call.
+    Copy = 0,
+    /// The bytes are used in place. They must stay readable and unchanged until the set and all its instances are
+    /// destroyed, or the context is; if the set is shared, in all its contexts. Bytes whose address is not a multiple of
+    /// 16 are copied.
+    Keep = 1,
 }
 
-/// How an example's contact (the place where it was hit) is given.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(dead_code)] // made by C
-pub enum CrumpleContactKind {
-    /// Not given: Crumple uses the example's deepest vertex. The default.
-    None = 0,
-    /// As a vertex of the base mesh.
-    Vertex = 1,
-    /// As a point in the mesh's space. The vertex nearest to it becomes the contact.
-    Point = 2,
+c_enums!(CrumpleBytes::Keep);
+
+/// Loads an example set from the size bytes of a .crumple file at data, written by "crumple bake" or
+/// crumple_example_set_save_baked(). Loading builds nothing and is fast. All bytes are validated. The set has one
+/// primitive, no name and no node transform. Errors: CRUMPLE_ERROR_FORMAT (damaged, cut short, or not a baked set),
+/// CRUMPLE_ERROR_UNSUPPORTED (another format version).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_example_set_load_baked_memory(
+    context: *mut CrumpleContext,
+    data: *const c_void,
+    size: usize,
+    bytes: MaybeUninit<CrumpleBytes>,
+    out_set: *mut CrumpleExampleSet,
+) -> CrumpleResult {
+    exclusive("crumple_example_set_load_baked_memory", context, |context, state| {
+        let out = Out::new(out_set, "out_set")?;
+        let keep = enumerator(bytes, "bytes")? == CrumpleBytes::Keep;
+        let bytes: &'static [u8] = array(data.cast::<u8>(), size, "data")?;
+        state.sets.reserve::<CrumpleExampleSet>()?;
+        let tasks = Quiet(context.tasks());
+        let set = if keep { ExampleSet::load(bytes, &tasks) } else { ExampleSet::load_copy(bytes, &tasks) }?;
+        add_baked(context, state, set, out);
+        Ok(())
+    })
 }
 
-/// How an example set is built. The def that contains it sets its defaults.
-#[repr(C)]
-#[derive(Debug, Clone, Copy)]
-pub struct CrumpleExampleSetOptions {
-    /// No vertex moves further than this, m. Default 0: the depth of the deepest example.
-    pub depth_limit: f32,
-    /// Displacements of an example up to this length are dropped, m. Default 0: drops only zeros.
-    pub drop_below: f32,
-    /// Mass of every vertex, kg, for impulses without a mass. It is a calibration constant in impulse * duration /
-    /// mass, not the body's mass. Default 0: unknown.
-    pub vertex_mass: f32,
-    /// Nodes along each side of the grid that stores a carried example: 4 to 128. Default 32; sharp creases need more.
-    /// If bake_tolerance is above 0, this is the maximum.
-    pub stamp_resolution: u32,
-    /// Largest position error from quantisation at weight 1, m. Above 0, displacements are stored as integers of 1 or 2
-    /// bytes, and carried examples on the coarsest grid within the error. Default 0: exact floats. It changes the
-    /// fingerprint; depth_limit and vertex_mass do not.
-    pub bake_tolerance: f32,
-    /// Largest error of a normal at weight 1, degrees, above 0 and up to 45. Unused if bake_tolerance is 0. Default 1.
-    pub bake_normal_tolerance: f32,
-    /// Mass of each vertex, kg: vertex_count floats, instead of vertex_mass. Default absent.
-    pub vertex_masses: CrumpleInput,
-    pub seams: MaybeUninit<Seams>,
-    /// Also use mirrored copies of the examples if the body is symmetric about a coordinate plane through the centre of
-    /// its bounds. Default true.
-    pub mirror: MaybeUninit<bool>,
-    /// Fade carried dents to zero at boundary edges that no example moves. Default true.
-    pub held_rims: MaybeUninit<bool>,
+/// Like crumple_example_set_load_baked_memory(), but reads a file into memory. path is UTF-8. Also returns
+/// CRUMPLE_ERROR_IO.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_example_set_load_baked(
+    context: *mut CrumpleContext,
+    path: *const c_char,
+    out_set: *mut CrumpleExampleSet,
+) -> CrumpleResult {
+    exclusive("crumple_example_set_load_baked", context, |context, state| {
+        let out = Out::new(out_set, "out_set")?;
+        let path = required_string(path, "path")?;
+        state.sets.reserve::<CrumpleExampleSet>()?;
+        let set = ExampleSet::load_file(path, &Quiet(context.tasks()))?;
+        add_baked(context, state, set, out);
+        Ok(())
+    })
 }
 
-/// An example: the base mesh after a collision. Set target_positions, or delta_indices and position_deltas.
-#[repr(C)]
-#[derive(Debug, Clone, Copy)]
-pub struct CrumpleExampleDef {
-    pub struct_size: u32,
-    /// Number of vertices in delta_indices, position_deltas and normal_deltas.
-    pub delta_count: u32,
-    /// UTF-8 text. It is copied and need not be unique. Null: empty.
-    pub name: *const c_char,
-    /// Full form: the new position of every vertex, vertex_count times 3 floats, m, in the base mesh's order.
-    pub target_positions: CrumpleInput,
-    /// Full form: the new unit normals, vertex_count times 3 floats. Absent: computed. Needs normals of the base mesh.
-    pub target_normals: CrumpleInput,
-    /// Sparse form: indices of the moved vertices, strictly increasing, delta_count times uint32_t.
-    pub delta_indices: CrumpleInput,
-    /// Sparse form: their displacements, delta_count times 3 floats, m.
-    pub position_deltas: CrumpleInput,
-    /// Sparse form: the changes of their unit normals, delta_count times 3 floats. Absent: computed.
-    pub normal_deltas: CrumpleInput,
-    pub contact_kind: MaybeUninit<CrumpleContactKind>,
-    /// The vertex that was hit, for CRUMPLE_CONTACT_KIND_VERTEX.
-    pub contact_vertex: u32,
-    /// The point that was hit, m, in the mesh's space, for CRUMPLE_CONTACT_KIND_POINT.
-    pub contact_point: CrumpleVec3,
-    /// The surface's outward direction at the contact, of any length above 0. Used only if has_contact_normal is true.
-    pub contact_normal: CrumpleVec3,
-    /// The impulse on the body, N s. Default 0: unknown.
-    pub impulse: CrumpleVec3,
-    /// How long the impulse acted, s. Default 0: unknown.
-    pub duration: f32,
-    pub striker: CrumpleStriker,
-    /// Whether contact_normal is given. Default false: the mesh's normal is used.
-    pub has_contact_normal: MaybeUninit<bool>,
-    pub placement: MaybeUninit<Placement>,
-}
-
-/// A mesh as arrays, which are copied. The def that contains it sets its defaults.
-#[repr(C)]
-#[derive(Debug, Clone, Copy)]
-pub struct CrumpleMeshDef {
-    /// Number of vertices, at least 1. Their order is kept.
-    pub vertex_count: u32,
-    /// Number of indices, a multiple of 3.
-    pub index_count: u32,
-    /// Positions: vertex_count times 3 floats, m. Any handedness, any axis up. Required.
-    pub positions: CrumpleInput,
-    /// Unit normals: vertex_count times 3 floats. Absent: computed from the triangles, smooth across seams.
-    pub normals: CrumpleInput,
-    /// Tangents as in glTF: vertex_count times 4 floats, xyz of unit length, w +1 or -1. Absent: none.
-    pub tangents: CrumpleInput,
-    /// Triangles: index_count indices, counter-clockwise seen from outside. Absent: a point cloud, which needs normals.
-    pub indices: CrumpleInput,
-    pub index_type: MaybeUninit<CrumpleIndexType>,
-    /// How far each vertex may move: vertex_count floats, m, at least 0, INFINITY for no limit of its own. Rounded down by up to
-    /// 1 in 128. The depth limits of the set and of the instance hold too. Absent: none; for a further mesh of a set, those
-    /// of the nearest base vertices.
-    pub depth_limits: CrumpleInput,
-    /// How much less than its dents each vertex moves: vertex_count floats, 0 (as the dents say) to 1 (not at all). Absent: 0;
-    /// for a further mesh of a set, as the nearest base vertices.
-    pub stiffness: CrumpleInput,
-}
-
-/// A base mesh, at least one example, and the options of the set.
-#[repr(C)]
-#[derive(Debug, Clone, Copy)]
-pub struct CrumpleExampleSetDef {
-    pub struct_size: u32,
-    pub example_count: u32,
-    pub mesh: CrumpleMeshDef,
-    /// example_count defs, each from crumple_example_def_default().
-    pub examples: *const CrumpleExampleDef,
-    pub options: CrumpleExampleSetOptions,
-}
-
-/// Another mesh of a set's body, such as a level of detail, in the base mesh's space.
-#[repr(C)]
-#[derive(Debug, Clone, Copy)]
-pub struct CrumpleLodDef {
-    pub struct_size: u32,
-    pub mesh: CrumpleMeshDef,
-}
-
-c_enums!(CrumpleContactKind::Point, CrumpleIndexType::U16);
-defs!(CrumpleExampleDef, CrumpleExampleSetDef, CrumpleLodDef);
-
-pub(super) fn default_options() -> CrumpleExampleSetOptions {
-    CrumpleExampleSetOptions {
-        stamp_resolution: SetOptions::default().stamp_resolution,
-        bake_normal_tolerance: SetOptions::default().normal_tolerance,
-        mirror: MaybeUninit::new(true),
-        held_rims: MaybeUninit::new(true),
-        ..zeroed::<CrumpleExampleSetDef>().options
-    }
+fn add_baked(context: &Context, state: &mut State, set: ExampleSet, out: Out<CrumpleExampleSet>) {
+    let whole = CrumplePrimitive::new(0..set.vertex_count() as u32, 0..set.mesh().triangles().len() as u32);
+    insert_set(context, state, set, (c"".into(), vec![whole], Vec::new(), None), out);
 }
 
 /// A text of any origin as one that C can read.
 pub(super) fn c_string(text: &str) -> CString {
     CString::new(text.replace('\0', "\u{fffd}")).unwrap_or_default()
-}
-
-/// Returns a def without positions. Set them.
-#[unsafe(no_mangle)]
-pub extern "C" fn crumple_example_def_default() -> CrumpleExampleDef {
-    zeroed()
-}
-
-/// Returns a def without mesh and examples. Set them.
-#[unsafe(no_mangle)]
-pub extern "C" fn crumple_example_set_def_default() -> CrumpleExampleSetDef {
-    CrumpleExampleSetDef { options: default_options(), ..zeroed() }
-}
-
-/// Builds an example set from arrays. This indexes the mesh and samples every example, which takes time: build sets
-/// while loading, or load baked ones. Errors: CRUMPLE_ERROR_MESH (no vertices), CRUMPLE_ERROR_EXAMPLE_MISMATCH (no
-/// examples, or one that does not fit the mesh).
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_example_set_create(
-    context: *mut CrumpleContext,
-    def: *const CrumpleExampleSetDef,
-    out_set: *mut CrumpleExampleSet,
-) -> CrumpleResult {
-    exclusive("crumple_example_set_create", context, |context, state| {
-        let (def, out) = (self::def(def, "def")?, Out::new(out_set, "out_set")?);
-        let (mesh, examples) = {
-            let mesh = read_mesh(&def.mesh, "def.mesh")?;
-            let examples = read_examples(&def, &mesh)?;
-            (mesh, examples)
-        };
-        let triangles = mesh.triangles.len() as u32;
-        let whole = CrumplePrimitive::new(0..def.mesh.vertex_count, 0..triangles);
-        let options = read_options(&def.options, mesh.positions.len())?;
-        let name = CString::default();
-        add_set(context, state, (mesh, examples, options), (name, vec![whole], Vec::new(), None), out)
-    })
-}
-
-/// Returns a def without mesh. Set it.
-#[unsafe(no_mangle)]
-pub extern "C" fn crumple_lod_def_default() -> CrumpleLodDef {
-    zeroed()
-}
-
-/// Adds a mesh that shows the same damage, such as a level of detail or a collision proxy. Call this before the set's
-/// first instance is created. out_lod receives its number for the lod fields of defs, 1 for the first. Each vertex is
-/// bound to the nearest point of the base surface and moves with it. A vertex at the position of a base vertex moves
-/// exactly like that vertex. Contacts, marks, saved damage and the fingerprint still refer to the base mesh. Errors:
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (the set has instances), CRUMPLE_ERROR_MESH.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_example_set_add_lod(
-    context: *mut CrumpleContext,
-    set: CrumpleExampleSet,
-    def: *const CrumpleLodDef,
-    out_lod: *mut u32,
-) -> CrumpleResult {
-    exclusive("crumple_example_set_add_lod", context, |context, state| {
-        let (def, out) = (self::def(def, "def")?, Out::new(out_lod, "out_lod")?);
-        let entry = state.sets.get_mut(set, "set")?;
-        let set = Arc::get_mut(&mut entry.set).ok_or_else(|| {
-            Failure::invalid("set has instances, or is shared with another context; add its levels of detail before the first instance is made")
-        })?;
-        let mesh = read_mesh(&def.mesh, "def.mesh")?;
-        let lod = set.add_lod(mesh, &Quiet(context.tasks()))?;
-        let report = set.report().lods[lod - 1];
-        let elsewhere = report.farthest > FAR_OFF * set.mesh().bounds().diagonal();
-        let doubt = if elsewhere { "; is it the same body, in the same space and units?" } else { "" };
-        context.log(
-            if elsewhere { CrumpleLogLevel::Warning } else { CrumpleLogLevel::Info },
-            &format!(
-                "level of detail {lod}: {} vertices, at most {} m from the base surface, {} bytes{doubt}",
-                report.vertices, report.farthest, report.bytes
-            ),
-        );
-        out.write(lod as u32);
-        Ok(())
-    })
-}
-
-/// Builds the set and gives it an id.
-pub(super) fn add_set(
-    context: &Context,
-    state: &mut State,
-    (mesh, examples, options): (MeshData, Vec<ExampleData>, SetOptions),
-    (name, primitives, materials, node_transform): (CString, Vec<CrumplePrimitive>, Vec<CString>, Option<[f32; 16]>),
-    out: Out<CrumpleExampleSet>,
-) -> Result<(), Failure> {
-    state.sets.reserve::<CrumpleExampleSet>()?;
-    let set = ExampleSet::build(mesh, examples, options, &Quiet(context.tasks()))?;
-    insert_set(context, state, set, (name, primitives, materials, node_transform), out);
-    Ok(())
 }
 
 /// Gives a set an id, for which there is room.
@@ -292,191 +108,9 @@ pub(super) fn insert_set(
     id
 }
 
-pub(super) unsafe fn read_mesh(def: &CrumpleMeshDef, name: &str) -> Result<MeshData, Failure> {
-    let vertices = def.vertex_count as usize;
-    if vertices == 0 {
-        return Err(crate::base::error::Error::Mesh {
-            what: format!("{name}.vertex_count is 0; a mesh needs at least one vertex"),
-        }
-        .into());
-    }
-    let positions = read_required(def.positions, vertices, &format!("{name}.positions"))?;
-    let normals = read(def.normals, vertices, &format!("{name}.normals"))?;
-    let tangents = read(def.tangents, vertices, &format!("{name}.tangents"))?;
-    let triangles = read_triangles(def, name)?;
-    let depth_limits = read(def.depth_limits, vertices, &format!("{name}.depth_limits"))?;
-    let stiffness = read(def.stiffness, vertices, &format!("{name}.stiffness"))?;
-    Ok(MeshData { positions, normals, tangents, triangles, depth_limits, stiffness })
-}
-
-unsafe fn read_triangles(def: &CrumpleMeshDef, name: &str) -> Result<Vec<[u32; 3]>, Failure> {
-    let count = def.index_count as usize;
-    if !count.is_multiple_of(3) {
-        return Err(Failure::invalid(format!("{name}.index_count is {count}; it must be a multiple of 3")));
-    }
-    let indices = &format!("{name}.indices");
-    let wide: Option<Vec<u32>> = match enumerator(def.index_type, &format!("{name}.index_type"))? {
-        CrumpleIndexType::U32 => read(def.indices, count, indices)?,
-        CrumpleIndexType::U16 => {
-            let narrow: Option<Vec<u16>> = read(def.indices, count, indices)?;
-            match narrow {
-                Some(narrow) => {
-                    let mut wide = reserve(count, indices)?;
-                    wide.extend(narrow.into_iter().map(u32::from));
-                    Some(wide)
-                }
-                None => None,
-            }
-        }
-    };
-    let Some(wide) = wide else {
-        return if count == 0 {
-            Ok(Vec::new())
-        } else {
-            let message = format!("{indices}.data is null but {name}.index_count is {count}");
-            Err(Failure::new(CrumpleResult::CrumpleErrorNullPointer, message))
-        };
-    };
-    let mut triangles = reserve(count / 3, indices)?;
-    triangles.extend(wide.as_chunks::<3>().0);
-    Ok(triangles)
-}
-
-unsafe fn read_examples(def: &CrumpleExampleSetDef, mesh: &MeshData) -> Result<Vec<ExampleData>, Failure> {
-    let mut examples = Vec::new();
-    for i in 0..def.example_count as usize {
-        let name = format!("def.examples[{i}]");
-        // The first is read before memory is reserved for all: a wrong count is found by it.
-        let example =
-            self::def(def.examples.wrapping_add(i), if def.examples.is_null() { "def.examples" } else { &name })?;
-        if i == 0 {
-            examples = reserve(def.example_count as usize, "def.examples")?;
-        }
-        examples.push(read_example(example, mesh, &name)?);
-    }
-    Ok(examples)
-}
-
-unsafe fn read_example(example: CrumpleExampleDef, mesh: &MeshData, name: &str) -> Result<ExampleData, Failure> {
-    let field = |field: &str| format!("{name}.{field}");
-    let invalid = |what: &str| Err(Failure::invalid(format!("{name}{what}")));
-    let vertices = mesh.positions.len();
-    let title = string(example.name, &field("name"))?.unwrap_or_default();
-    let targets = read::<[f32; 3]>(example.target_positions, vertices, &field("target_positions"))?;
-    let target_normals = read::<[f32; 3]>(example.target_normals, vertices, &field("target_normals"))?;
-    let count = example.delta_count as usize;
-    let indices = read::<u32>(example.delta_indices, count, &field("delta_indices"))?;
-    let deltas = read::<[f32; 3]>(example.position_deltas, count, &field("position_deltas"))?;
-    let normal_deltas = read::<[f32; 3]>(example.normal_deltas, count, &field("normal_deltas"))?;
-
-    let (positions, normals) = match (targets, indices, deltas) {
-        (Some(targets), None, None) => {
-            if normal_deltas.is_some() {
-                return invalid(".normal_deltas belongs to the sparse form; give target_normals with target_positions");
-            }
-            let normals = match (target_normals, &mesh.normals) {
-                (Some(targets), Some(base)) => Some(differences(targets, base, &field("target_normals"))?),
-                (Some(_), None) => return invalid(".target_normals needs the base mesh's normals (def.mesh.normals)"),
-                (None, _) => None,
-            };
-            (differences(targets, &mesh.positions, &field("target_positions"))?, normals)
-        }
-        (None, Some(indices), Some(values)) => {
-            if target_normals.is_some() {
-                return invalid(".target_normals belongs to the full form; give normal_deltas with position_deltas");
-            }
-            all_finite(&values, &field("position_deltas"))?;
-            let normals = match normal_deltas {
-                Some(values) => {
-                    all_finite(&values, &field("normal_deltas"))?;
-                    let mut copy = reserve(indices.len(), "delta_indices")?;
-                    copy.extend_from_slice(&indices);
-                    Some(Deltas::Sparse { indices: copy, values })
-                }
-                None => None,
-            };
-            (Deltas::Sparse { indices, values }, normals)
-        }
-        (None, None, None) => {
-            let message = format!("{name} has neither target_positions nor delta_indices and position_deltas");
-            return Err(Failure::new(CrumpleResult::CrumpleErrorNullPointer, message));
-        }
-        (None, ..) => {
-            let message = format!("{name} has one of delta_indices and position_deltas; the sparse form needs both");
-            return Err(Failure::new(CrumpleResult::CrumpleErrorNullPointer, message));
-        }
-        (Some(_), ..) => return invalid(" has target_positions and sparse deltas; give one of the two forms"),
-    };
-    let contact = match enumerator(example.contact_kind, &field("contact_kind"))? {
-        CrumpleContactKind::None => None,
-        CrumpleContactKind::Vertex => Some(Contact::Vertex(example.contact_vertex)),
-        CrumpleContactKind::Point => {
-            Some(Contact::Point(finite(example.contact_point.array(), &field("contact_point"))?))
-        }
-    };
-    let contact_normal = match boolean(example.has_contact_normal) {
-        true => Some(finite(example.contact_normal.array(), &field("contact_normal"))?),
-        false => None,
-    };
-    let placement = enumerator(example.placement, &field("placement"))?;
-    finite(example.impulse.array(), &field("impulse"))?;
-    let blow = Blow {
-        impulse: example.impulse.known(),
-        duration: positive_or(example.duration, &field("duration"), "s", "an unknown one")?,
-        normal: contact_normal,
-        striker: striker(example.striker, &field("striker"))?,
-    };
-    Ok(ExampleData { normals, contact, contact_normal, blow, placement, ..ExampleData::new(title, positions) })
-}
-
-/// What leads from the base to the targets.
-fn differences(mut targets: Vec<[f32; 3]>, base: &[[f32; 3]], name: &str) -> Result<Deltas, Failure> {
-    all_finite(&targets, name)?;
-    for (target, base) in targets.iter_mut().zip(base) {
-        *target = [target[0] - base[0], target[1] - base[1], target[2] - base[2]];
-    }
-    Ok(Deltas::Full(targets))
-}
-
-/// Refuses NaN and infinities, naming the first.
-fn all_finite(values: &[[f32; 3]], name: &str) -> Result<(), Failure> {
-    match values.iter().position(|v| !v.iter().all(|x| x.is_finite())) {
-        Some(i) => finite(values[i], &format!("{name}[{i}]")).map(drop),
-        None => Ok(()),
-    }
-}
-
-/// # Safety
-/// The caller's array, if there is one, can be read.
-pub(super) unsafe fn read_options(options: &CrumpleExampleSetOptions, vertices: usize) -> Result<SetOptions, Failure> {
-    let uniform = positive_or(options.vertex_mass, "def.options.vertex_mass", "kg", "unknown masses")?;
-    let each = read::<f32>(options.vertex_masses, vertices, "def.options.vertex_masses")?;
-    let mass = match (uniform, each) {
-        (None, None) => VertexMass::None,
-        (Some(mass), None) => VertexMass::Uniform(mass),
-        (None, Some(masses)) => VertexMass::PerVertex(masses),
-        (Some(mass), Some(_)) => {
-            let message =
-                format!("def.options.vertex_mass is {mass} kg but vertex_masses is there too; give one of the two");
-            return Err(Failure::invalid(message));
-        }
-    };
-    Ok(SetOptions {
-        depth_limit: positive_or(options.depth_limit, "def.options.depth_limit", "m", "that of the deepest example")?,
-        mirror: boolean(options.mirror),
-        held_rims: boolean(options.held_rims),
-        seams: enumerator(options.seams, "def.options.seams")?,
-        mass,
-        drop_below: options.drop_below,
-        stamp_resolution: options.stamp_resolution,
-        tolerance: positive_or(options.bake_tolerance, "def.options.bake_tolerance", "m", "exact floats")?,
-        normal_tolerance: options.bake_normal_tolerance,
-    })
-}
-
-/// Gives a set to another context too, without a copy, such as one that loads levels on another thread. The contexts stay
-/// as independent as they were. Destroying the set in one of them does not affect the others. Both
-/// contexts are in use during the call. Add levels of detail before. CRUMPLE_ERROR_INVALID_ARGUMENT: other is context.
+/// Gives a set to another context too, without a copy, such as one that loads levels on another thread. Destroying the
+/// set in one does not affect the other. Both contexts are in use during the call. Add levels of detail before.
+/// CRUMPLE_ERROR_INVALID_ARGUMENT: other is context.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_share(
     context: *mut CrumpleContext,

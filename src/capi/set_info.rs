@@ -1,14 +1,12 @@
 //! What an example set holds.
 
-use super::check::{Out, def, defs, finite, required_string, zeroed};
+use super::check::{Out, def, defs, finite, zeroed};
 use super::context::{CrumpleContext, exclusive};
 use super::memory::{Stream, disjoint};
 use super::result::{CrumpleResult, Failure};
-use super::types::{CrumpleAabb, CrumpleExampleSet, CrumplePrimitive, CrumpleStream, CrumpleVec3};
-use crate::example::data::Placement;
+use super::types::{CrumpleAabb, CrumpleExampleSet, CrumpleStream, CrumpleVec3};
 use crate::example::response::Response;
 use std::ffi::c_char;
-use std::mem::MaybeUninit;
 
 /// Facts about an example set. Counts and bounds are the base mesh's. Strings are valid until the set is destroyed.
 #[repr(C)]
@@ -36,38 +34,11 @@ pub struct CrumpleExampleSetInfo {
     pub lod_count: u32,
     /// Number of examples that know their blow. From 1 on, the set predicts what an impulse leaves.
     pub blow_count: u32,
-    /// Median error of the displacements around an example, and of its depth, when the other examples predict them:
-    /// relative, 0 is perfect. Negative if unknown.
+    /// How well the other examples predict an example's displacements, and its depth: median error, 0 exact, 1 as if
+    /// they predicted no dent. Negative if unknown.
     pub field_error: f32,
     pub depth_error: f32,
     pub reserved: [u64; 2],
-}
-
-/// Facts about an example. name is UTF-8, never null, and valid until the set is destroyed.
-#[repr(C)]
-#[derive(Debug, Clone, Copy)]
-pub struct CrumpleExampleInfo {
-    pub name: *const c_char,
-    /// The vertex that was hit. If the example has no contact, the deepest vertex.
-    pub contact_vertex: u32,
-    /// Number of vertices that the example moves. 0: it has no effect.
-    pub moved_vertices: u32,
-    /// Where the example was hit, m.
-    pub contact_point: CrumpleVec3,
-    /// Outward unit normal at the contact; zero if unknown.
-    pub contact_normal: CrumpleVec3,
-    /// Displacement of the contact vertex, m.
-    pub depth: f32,
-    /// Displacement of the deepest vertex, m.
-    pub max_depth: f32,
-    /// Distance from the contact to the furthest vertex that moves noticeably, m.
-    pub support_radius: f32,
-    pub placement: MaybeUninit<Placement>,
-    /// Error of its displacements, and of its depth, when the other examples predict them: relative, 0 is perfect.
-    /// Negative if unknown. Where they are large, one more example helps most.
-    pub field_error: f32,
-    pub depth_error: f32,
-    pub reserved: u64,
 }
 
 /// Where to copy a mesh: positions (m), unit normals, tangents and 3 * triangle_count indices. Absent streams are
@@ -126,81 +97,6 @@ pub unsafe extern "C" fn crumple_example_set_get_info(
         });
         Ok(())
     })
-}
-
-/// Returns facts about the example with an index below example_count.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_example_set_get_example(
-    context: *mut CrumpleContext,
-    set: CrumpleExampleSet,
-    example: u32,
-    out_info: *mut CrumpleExampleInfo,
-) -> CrumpleResult {
-    exclusive("crumple_example_set_get_example", context, |_, state| {
-        let out = Out::new(out_info, "out_info")?;
-        let entry = state.sets.get(set, "set")?;
-        let name = item(&entry.names, example, "example")?.as_ptr();
-        let example_index = example as usize;
-        let example = &entry.set.examples()[example_index];
-        out.write(CrumpleExampleInfo {
-            name,
-            contact_vertex: example.contact_vertex(),
-            moved_vertices: example.moved_vertices() as u32,
-            contact_point: example.contact_point().into(),
-            contact_normal: example.contact_normal().map(CrumpleVec3::from).unwrap_or_default(),
-            depth: example.depth(),
-            max_depth: example.max_depth(),
-            support_radius: example.support_radius(),
-            placement: MaybeUninit::new(example.placement()),
-            field_error: entry.set.learned().error(example_index).unwrap_or(-1.0),
-            depth_error: entry.set.response().and_then(|r| r.depth_error()[example_index]).unwrap_or(-1.0),
-            reserved: 0,
-        });
-        Ok(())
-    })
-}
-
-/// Returns the vertices and triangles of the part with an index below primitive_count.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_example_set_get_primitive(
-    context: *mut CrumpleContext,
-    set: CrumpleExampleSet,
-    primitive: u32,
-    out_primitive: *mut CrumplePrimitive,
-) -> CrumpleResult {
-    exclusive("crumple_example_set_get_primitive", context, |_, state| {
-        let out = Out::new(out_primitive, "out_primitive")?;
-        out.write(*item(&state.sets.get(set, "set")?.primitives, primitive, "primitive")?);
-        Ok(())
-    })
-}
-
-/// Returns the number of a part by the name of its node, or of the node's mesh if the node has none: a lod, 1 and up. The
-/// first of that name. Only for sets that were loaded with join_nodes; baked sets keep the numbers, not the names.
-/// CRUMPLE_ERROR_INVALID_ARGUMENT: no such part.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_example_set_find_part(
-    context: *mut CrumpleContext,
-    set: CrumpleExampleSet,
-    name: *const c_char,
-    out_lod: *mut u32,
-) -> CrumpleResult {
-    exclusive("crumple_example_set_find_part", context, |_, state| {
-        let (name, out) = (required_string(name, "name")?, Out::new(out_lod, "out_lod")?);
-        let parts = &state.sets.get(set, "set")?.parts;
-        let at = parts.iter().position(|part| part == name).ok_or_else(|| {
-            Failure::invalid(format!("name is '{name}'; it must be one of the set's {} parts: {parts:?}", parts.len()))
-        })?;
-        out.write(at as u32 + 1);
-        Ok(())
-    })
-}
-
-fn item<'a, T>(items: &'a [T], index: u32, name: &str) -> Result<&'a T, Failure> {
-    let (index, len) = (u64::from(index), items.len() as u64);
-    items
-        .get(index as usize)
-        .ok_or_else(|| crate::base::error::Error::IndexOutOfRange { name: name.into(), index, len }.into())
 }
 
 /// Copies the base mesh or a level of detail into your memory, for your vertex and index buffers. If the set was built

@@ -8,8 +8,7 @@ use crate::example::data::Placement;
 use crate::example::options::Seams;
 use crate::select::hit::{HitStatus, Space};
 use bytemuck::{Pod, Zeroable};
-use std::ffi::{c_char, c_void};
-use std::ops::Range;
+use std::ffi::c_void;
 
 c_enums!(
     CrumpleDirectionFormat::Octahedral,
@@ -58,7 +57,7 @@ impl From<glam::Vec3> for CrumpleVec3 {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 pub struct CrumpleStriker {
-    /// kg.
+    /// Mass, kg; against a body that is free to move, the reduced mass m1 m2 / (m1 + m2).
     pub mass: f32,
     /// Radius of its surface at the contact, m: small for a corner, large for a flat face.
     pub radius: f32,
@@ -66,16 +65,6 @@ pub struct CrumpleStriker {
     pub velocity: CrumpleVec3,
     /// Its shape at the contact: 0 unknown, 1 a ball or anything round, 2 a pole or an edge, 3 a corner, 4 a wall or any flat face.
     pub shape: u32,
-}
-
-/// A rotation as a unit quaternion.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
-pub struct CrumpleQuat {
-    pub x: f32,
-    pub y: f32,
-    pub z: f32,
-    pub w: f32,
 }
 
 /// An axis-aligned box, m.
@@ -98,19 +87,6 @@ impl From<Aabb> for CrumpleAabb {
 pub struct CrumpleRange {
     pub first: u32,
     pub count: u32,
-}
-
-/// An array that Crumple reads during the call. Element i is at data + i * stride. The field that uses it states count
-/// and type. All fields zero: absent.
-#[repr(C)]
-#[derive(Debug, Clone, Copy)]
-pub struct CrumpleInput {
-    /// First element, aligned to its type (4 bytes; 2 for 16-bit indices). Null: absent.
-    pub data: *const c_void,
-    /// Readable bytes at data: at least (count - 1) * stride + the size of one element.
-    pub size: usize,
-    /// Bytes from one element to the next: at least the size of one element, a multiple of its alignment. Not 0.
-    pub stride: usize,
 }
 
 /// An array that Crumple writes. Element i is at data + offset + i * stride. Positions and normals are 3 floats,
@@ -156,35 +132,6 @@ pub struct CrumpleBuffer {
     pub context: u16,
 }
 
-/// A part of the mesh with its own material. material is its name (UTF-8, valid until the set is destroyed) or null.
-#[repr(C)]
-#[derive(Debug, Clone, Copy)]
-pub struct CrumplePrimitive {
-    pub material: *const c_char,
-    pub first_vertex: u32,
-    pub vertex_count: u32,
-    /// First triangle. Its first index is 3 * first_triangle.
-    pub first_triangle: u32,
-    pub triangle_count: u32,
-    pub reserved: [u32; 2],
-}
-
-// SAFETY: the pointer is to a string that lives beside it.
-unsafe impl Send for CrumplePrimitive {}
-
-impl CrumplePrimitive {
-    pub(super) fn new(vertices: Range<u32>, triangles: Range<u32>) -> Self {
-        Self {
-            material: std::ptr::null(),
-            first_vertex: vertices.start,
-            vertex_count: vertices.len() as u32,
-            first_triangle: triangles.start,
-            triangle_count: triangles.len() as u32,
-            reserved: [0; 2],
-        }
-    }
-}
-
 /// The format of normals or tangents in memory of the CPU.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -192,17 +139,8 @@ impl CrumplePrimitive {
 pub enum CrumpleDirectionFormat {
     /// 3 floats for a normal, 4 for a tangent. The default.
     Float = 0,
-    /// Octahedral as in Godot: two uint16_t of 4 bytes in all, like a Vulkan buffer's R16G16_UNORM. A normal v is stored
-    /// as x and y, times 65535, rounded towards zero:
-    ///
-    /// - n = v / (|v.x| + |v.y| + |v.z|)
-    /// - a = n.z >= 0 ? n.x : (1 - |n.y|) * (n.x >= 0 ? 1 : -1)
-    /// - b = n.z >= 0 ? n.y : (1 - |n.x|) * (n.y >= 0 ? 1 : -1)
-    /// - x = a * 0.5 + 0.5
-    /// - y = b * 0.5 + 0.5
-    ///
-    /// A tangent is stored as x and t if its w is 0 or above, else as x and 1 - t, where t = max(y, 1 / 32767) * 0.5 +
-    /// 0.5. Of its numbers (0, 65535) becomes (65535, 65535), which stands for the same tangent.
+    /// Octahedral as in Godot: two uint16_t, 4 bytes in all, with the bits of a Vulkan buffer's R16G16_UNORM.
+    /// docs/integration.md has the formula.
     Octahedral = 1,
 }
 

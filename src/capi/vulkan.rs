@@ -101,8 +101,8 @@ pub unsafe extern "C" fn crumple_vulkan_detach(context: *mut CrumpleContext) -> 
     })
 }
 
-/// Returns pipeline cache data for the next run's crumple_vulkan_attach(). data has capacity bytes of any alignment;
-/// see "Arrays" at the top. The size may grow until you have registered every kind of buffer.
+/// Returns pipeline cache data for the next run's crumple_vulkan_attach(). The size may grow until you have registered
+/// every kind of buffer.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_get_pipeline_cache(
     context: *mut CrumpleContext,

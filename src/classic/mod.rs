@@ -175,6 +175,7 @@ impl ClassicState {
                 out.extend(x.to_bits().to_le_bytes());
             }
         }
+        saved::seal(&mut out);
         out
     }
 

@@ -86,7 +86,8 @@ pub struct Mark {
     pub contact: u32,
     /// Requested depth at the contact, m, above 0.
     pub depth: f32,
-    /// Energy in hits of this depth, in units of 2^-32: 4294967296 for one hit. Hits that repeat the mark add to it.
+    /// How many hits of this depth the mark stands for, times 2^32: 4294967296 for one. Hits that repeat the mark add
+    /// to it.
     pub energy: u64,
     /// Up to four examples. Used pairs come first. If the first has the example 65534, they are the numbers of a hit whose dent
     /// the set predicts (docs/model.md, "A mark of a learned set").

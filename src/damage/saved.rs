@@ -1,12 +1,15 @@
-//! Saved damage: a header of 24 bytes, then the entries. The header is the magic `CRDM`, u16 version, u16 kind, u64
-//! fingerprint of the set, u32 number of entries, u32 zero. All numbers are little-endian.
+//! Saved damage: a header of 24 bytes, the entries, and a checksum ([`seal`]). The header is the magic `CRDM`, u16
+//! version, u16 kind, u64 fingerprint of the set, u32 number of entries, u32 zero. All numbers are little-endian.
+//! Version 1 has no checksum.
 
 use super::mark::{Mark, Pair};
 use crate::base::error::Error;
 use crate::example::set::ExampleSet;
+use twox_hash::XxHash3_64;
 
 pub(crate) const MAGIC: [u8; 4] = *b"CRDM";
-pub(crate) const VERSION: u16 = 1;
+/// The version that is written, and the newest that is read.
+pub(crate) const VERSION: u16 = 2;
 pub(crate) const HEADER: usize = 24;
 /// Entries are marks of 32 bytes.
 pub(crate) const MARKS: u16 = 1;
@@ -18,8 +21,30 @@ pub(crate) fn belongs_to(set: &ExampleSet, bytes: &[u8]) -> bool {
     bytes.len() >= HEADER && bytes[..4] == MAGIC && bytes[8..16] == set.fingerprint().to_le_bytes()
 }
 
+/// Appends the checksum: the XXH3-64 of all bytes before it.
+pub(crate) fn seal(bytes: &mut Vec<u8>) {
+    bytes.extend(XxHash3_64::oneshot(bytes).to_le_bytes());
+}
+
+/// Checks the version and the checksum, and returns the bytes without the latter. `bytes` are at least a header.
+pub(crate) fn unseal(bytes: &[u8]) -> Result<&[u8], Error> {
+    let bad = |what: String| Err(Error::DamageMismatch { what });
+    match u16::from_le_bytes([bytes[4], bytes[5]]) {
+        1 => Ok(bytes),
+        VERSION => match bytes.split_last_chunk() {
+            Some((sealed, checksum)) if XxHash3_64::oneshot(sealed) == u64::from_le_bytes(*checksum) => Ok(sealed),
+            _ => bad(format!(
+                "{} bytes do not have the checksum at their end; they were changed or cut short",
+                bytes.len()
+            )),
+        },
+        other => bad(format!("version {other}; this library reads versions 1 to {VERSION}")),
+    }
+}
+
+/// The header of damage that [`seal`] ends.
 pub(crate) fn header(set: &ExampleSet, kind: u16, count: usize) -> Vec<u8> {
-    let mut out = Vec::with_capacity(HEADER + count * 32);
+    let mut out = Vec::with_capacity(HEADER + count * 32 + 8);
     out.extend(MAGIC);
     out.extend(VERSION.to_le_bytes());
     out.extend(kind.to_le_bytes());
@@ -40,8 +65,9 @@ pub(crate) fn entries<'a>(set: &ExampleSet, bytes: &'a [u8], kind: u16, size: us
     if bytes[..4] != MAGIC {
         return bad(format!("it begins with {:?}; saved damage begins with {:?}", &bytes[..4], MAGIC));
     }
-    if u16_at(4) != VERSION {
-        return bad(format!("version {}; this library reads version {VERSION}", u16_at(4)));
+    let bytes = unseal(bytes)?;
+    if bytes.len() < HEADER {
+        return bad(format!("{} bytes before the checksum; at least {HEADER} are needed", bytes.len()));
     }
     if u16_at(6) != kind {
         return bad(format!("kind {} (1: marks, 2: a classic rule's vertices); kind {kind} is needed here", u16_at(6)));

@@ -1,12 +1,12 @@
 //! The damage of many instances in one piece of bytes: a header of 16 bytes, then for each instance its size as a u64
-//! and its saved damage ([`crate::damage::saved`]). The header is the magic `CRDA`, u16 version, u16 zero, u32 number of
-//! instances, u32 zero. All numbers are little-endian.
+//! and its saved damage ([`crate::damage::saved`]), at last a checksum like that of one instance. The header is the magic
+//! `CRDA`, u16 version, u16 zero, u32 number of instances, u32 zero. All numbers are little-endian.
 
 use super::Instance;
 use crate::base::error::Error;
+use crate::damage::saved::{VERSION, seal, unseal};
 
 const MAGIC: [u8; 4] = *b"CRDA";
-const VERSION: u16 = 1;
 const HEADER: usize = 16;
 
 /// Returns the damage of all these instances as bytes, after folding the hits that have arrived. The same damage gives
@@ -25,6 +25,7 @@ pub(crate) fn pack(each: impl Iterator<Item = Vec<u8>>) -> Vec<u8> {
         count += 1;
     }
     out[8..12].copy_from_slice(&count.to_le_bytes());
+    seal(&mut out);
     out
 }
 
@@ -32,7 +33,7 @@ pub(crate) fn pack(each: impl Iterator<Item = Vec<u8>>) -> Vec<u8> {
 /// same order. Discards hits that have not been folded yet, and ends all contacts.
 ///
 /// # Errors
-/// [`Error::DamageMismatch`] for bytes that are cut short, or of another version or number of instances; those of
+/// [`Error::DamageMismatch`] for bytes that were changed, are cut short, or are of another version or number of instances; those of
 /// [`Instance::load`], naming the instance. After an error nothing has changed.
 pub fn load_all(instances: &mut [&mut Instance], bytes: &[u8]) -> Result<(), Error> {
     let each = unpack(bytes, instances.len())?;
@@ -60,15 +61,12 @@ pub(crate) fn unpack_all(bytes: &[u8]) -> Result<Vec<&[u8]>, Error> {
 fn take_apart(bytes: &[u8], count: Option<usize>) -> Result<Vec<&[u8]>, Error> {
     let bad = |what: String| Error::DamageMismatch { what };
     let short = || bad(format!("{} bytes, cut short", bytes.len()));
-    let (header, mut rest) = bytes.split_first_chunk::<HEADER>().ok_or_else(short)?;
+    let (header, _) = bytes.split_first_chunk::<HEADER>().ok_or_else(short)?;
     if header[..4] != MAGIC {
         let begins = &header[..4];
         return Err(bad(format!("it begins with {begins:?}; saved damage of many instances begins with {MAGIC:?}")));
     }
-    let version = u16::from_le_bytes([header[4], header[5]]);
-    if version != VERSION {
-        return Err(bad(format!("version {version}; this library reads version {VERSION}")));
-    }
+    let mut rest = unseal(bytes)?.get(HEADER..).ok_or_else(short)?;
     let saved = u32::from_le_bytes([header[8], header[9], header[10], header[11]]);
     if let Some(count) = count.filter(|count| *count != saved as usize) {
         return Err(bad(format!("it is that of {saved} instances; {count} were given")));

@@ -103,6 +103,7 @@ impl Mapper<'_> {
         marks.sort_by_key(Mark::key);
         let mut out = saved::header(self.to, saved::MARKS, marks.len());
         marks.iter().for_each(|mark| saved::write_mark(mark, &mut out));
+        saved::seal(&mut out);
         Ok(out)
     }
 

@@ -385,7 +385,7 @@ impl Instance {
         self.damage.revision()
     }
 
-    /// Returns the damage as bytes, with a version and the set's fingerprint. The same damage gives the same bytes on
+    /// Returns the damage as bytes, with a version, the set's fingerprint and a checksum. The same damage gives the same bytes on
     /// every platform.
     pub fn save(&mut self) -> Vec<u8> {
         self.fold();
@@ -394,6 +394,7 @@ impl Instance {
             None => {
                 let mut out = saved::header(&self.set, saved::MARKS, self.damage.marks().len());
                 self.damage.marks().iter().for_each(|m| saved::write_mark(m, &mut out));
+                saved::seal(&mut out);
                 out
             }
         }
@@ -402,7 +403,7 @@ impl Instance {
     /// Replaces the damage by saved bytes. Discards hits that have not been folded yet, and ends all contacts.
     ///
     /// # Errors
-    /// [`Error::DamageMismatch`] for bytes that are cut short or belong to another version, set or rule;
+    /// [`Error::DamageMismatch`] for bytes that were changed, are cut short or belong to another version, set or rule;
     /// [`Error::InvalidArgument`] for a mark that the set cannot have. After an error nothing has changed.
     pub fn load(&mut self, bytes: &[u8]) -> Result<(), Error> {
         let saved = self.read(bytes)?;

@@ -1,6 +1,8 @@
 // The host's allocator: what was given comes back, with its size and alignment; running out is an error, not a crash.
 #include "support.h"
 
+#include <crumple_parts.h>
+
 #include <pthread.h>
 
 enum { MAGIC = 0x5AFE };

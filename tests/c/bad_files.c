@@ -1,6 +1,8 @@
 // Files that are missing, cut short, or not what they say: bad_files GLB FOLDER
 #include "support.h"
 
+#include <crumple_import.h>
+
 static CrumpleContext *context;
 static CrumpleExampleSet set;
 

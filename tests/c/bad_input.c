@@ -2,6 +2,9 @@
 // context usable.
 #include "support.h"
 
+#include <crumple_import.h>
+#include <crumple_parts.h>
+
 #include <float.h>
 
 static Sheet sheet;
@@ -437,13 +440,13 @@ static void damage(void) {
     FAILS(CRUMPLE_ERROR_NULL_POINTER, "out_count", crumple_instance_get_marks(context, body, marks, 4, NULL));
     FACT(keeps(marks, sizeof marks));
     memset(bytes, 0xAB, sizeof bytes);
-    FAILS(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "88 are needed", crumple_instance_save_damage(context, body, bytes, 87, &size));
-    FACT(size == 88);
-    FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "data is null", size, crumple_instance_save_damage(context, body, NULL, 88, &size));
+    FAILS(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "96 are needed", crumple_instance_save_damage(context, body, bytes, 95, &size));
+    FACT(size == 96);
+    FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "data is null", size, crumple_instance_save_damage(context, body, NULL, 96, &size));
     FACT(keeps(bytes, sizeof bytes));
     OK(crumple_instance_get_marks(context, body, marks, 4, &count));
     OK(crumple_instance_save_damage(context, body, bytes, sizeof bytes, &size));
-    FACT(count == 2 && size == 88);
+    FACT(count == 2 && size == 96);
 
     bad = marks[0];
     bad.contact = VERTICES;
@@ -452,13 +455,13 @@ static void damage(void) {
     FAILS(CRUMPLE_ERROR_MISALIGNED, "marks", crumple_instance_set_marks(context, body, crooked(marks), 1));
 
     // Saved bytes: nothing behind the given size is read.
-    FAILS(CRUMPLE_ERROR_NULL_POINTER, "data is null", crumple_instance_load_damage(context, body, NULL, 88));
+    FAILS(CRUMPLE_ERROR_NULL_POINTER, "data is null", crumple_instance_load_damage(context, body, NULL, 96));
     unsigned char *cut = malloc(size - 1);
     memcpy(cut, bytes, size - 1);
     FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "saved damage", crumple_instance_load_damage(context, body, cut, size - 1));
     free(cut);
     OK(crumple_instance_save_damage(context, body, changed, sizeof changed, &size));
-    FACT(size == 88 && memcmp(bytes, changed, size) == 0); // nothing has changed so far
+    FACT(size == 96 && memcmp(bytes, changed, size) == 0); // nothing has changed so far
     OK(crumple_instance_reset_damage(context, body));
     CrumpleExampleSetDef def = sheet.def;
     def.example_count = 2;

@@ -1,6 +1,8 @@
 // Plans for a render graph through the C interface. tests/vulkan/graph.rs executes such plans.
 #include "support.h"
 
+#include <crumple_graph.h>
+
 static Sheet sheet;
 
 static CrumpleVulkanBufferDef interleaved(void) {

@@ -2,6 +2,8 @@
 // interface.
 #include "support.h"
 
+#include <crumple_parts.h>
+
 static Sheet sheet;
 static CrumpleContext *context;
 static CrumpleExampleSet set;
@@ -106,13 +108,15 @@ static void bytes_of_all(void) {
     OK(crumple_context_save_damage(context, NULL, 0, NULL, 0, &size));
     FAILS(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "data", crumple_context_save_damage(context, bodies, 3, bytes, 16, &again));
     OK(crumple_context_save_damage(context, bodies, 3, bytes, sizeof bytes, &again));
-    FACT(size == again && size == 16 + 3 * (8 + 24 + 32));
+    FACT(size == again && size == 16 + 3 * (8 + 24 + 32 + 8) + 8);
     OK(crumple_context_load_damage(context, reversed, 3, bytes, size));
     for (int i = 0; i < 3; ++i) FACT(revision_of(bodies[i]) == revisions[2 - i]);
     FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "3 instances; 2", crumple_context_load_damage(context, bodies, 2, bytes, size));
     FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "cut short", crumple_context_load_damage(context, bodies, 3, bytes, size - 1));
-    bytes[16 + 8 + 32 + 32 + 8] ^= 1; // the version of the second
-    FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "of instance 1", crumple_context_load_damage(context, bodies, 3, bytes, size));
+    bytes[16 + 8 + 24 + 32 + 8 + 8 + 4] ^= 0x40; // the version of the second
+    FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "checksum", crumple_context_load_damage(context, bodies, 3, bytes, size));
+    bytes[4] = 1; // which has no checksum around all
+    FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "of instance 1: version 66", crumple_context_load_damage(context, bodies, 3, bytes, size - 8));
     FAILS(CRUMPLE_ERROR_NULL_POINTER, "data", crumple_context_load_damage(context, bodies, 3, NULL, size));
     for (int i = 0; i < 3; ++i) FACT(revision_of(bodies[i]) == revisions[2 - i]);
     for (int i = 0; i < 3; ++i) OK(crumple_instance_destroy(context, bodies[i]));

@@ -2,7 +2,7 @@
 #ifndef SUPPORT_H
 #define SUPPORT_H
 
-#include <crumple.h>
+#include <crumple_build.h>
 
 #include <math.h>
 #include <stdio.h>

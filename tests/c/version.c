@@ -1,6 +1,9 @@
-// The header is C99, may be included twice, and is of the version of the library that runs.
+// The headers are C99, may be included twice and together, and are of the version of the library that runs.
+#include <crumple_graph.h>
+#include <crumple_import.h>
+#include <crumple_parts.h>
 #include <crumple.h>
-#include <crumple.h>
+#include <crumple_graph.h>
 
 #include "support.h"
 

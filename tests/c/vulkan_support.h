@@ -5,6 +5,8 @@
 #include "support.h"
 #include "vulkan_host.h"
 
+#include <crumple_vulkan.h>
+
 // Position, normal, tangent.
 enum { FLOATS = 10, STRIDE = FLOATS * 4, GUARD = 4096, RANGE = VERTICES * STRIDE };
 

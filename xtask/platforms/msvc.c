@@ -1,6 +1,8 @@
 // A program that is compiled and linked as Microsoft's tools do it, without their C runtime: it has none here. ALL is every function
-// of the header.
-#include <crumple.h>
+// of the headers.
+#include <crumple_graph.h>
+#include <crumple_import.h>
+#include <crumple_parts.h>
 
 static const void *const all[] = {ALL};
 

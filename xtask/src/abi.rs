@@ -8,14 +8,14 @@ use anyhow::{Context, Result, ensure};
 use object::Object;
 use xshell::cmd;
 
-use crate::declarations::{self, Form, HEADER};
+use crate::declarations::{self, Form, HEADERS, INCLUDE};
 use crate::stage::Outcome;
 use crate::workspace::Workspace;
 
 /// Differences that abidiff does not report.
 const SUPPRESSED: &str = "tests/abi/abidiff.suppressions";
 
-/// Compares the header with that of the last tag, unless the SONAME differs.
+/// Compares the headers with those of the last tag, unless the SONAME differs.
 pub fn stage(workspace: &Workspace) -> Result<Outcome> {
     let sh = &workspace.shell;
     let git = |arguments: &[&str]| {
@@ -30,14 +30,16 @@ pub fn stage(workspace: &Workspace) -> Result<Outcome> {
     }
     let scratch = tempfile::tempdir()?;
     let (released, present) = (scratch.path().join("released"), scratch.path().join("present"));
-    stand_in(workspace, &git(&["show", &format!("{tag}:{HEADER}")])?, &released)?;
-    stand_in(workspace, &fs::read_to_string(workspace.path(HEADER))?, &present)?;
+    let header = |name: &&str| git(&["show", &format!("{tag}:{INCLUDE}/{name}")]);
+    let tagged = HEADERS.iter().map(header).collect::<xshell::Result<Vec<_>>>()?;
+    stand_in(workspace, &declarations::joined(&tagged), &released)?;
+    stand_in(workspace, &declarations::read(&workspace.path(INCLUDE))?, &present)?;
     let (known, released, present) =
         (workspace.path(SUPPRESSED), released.with_extension("so"), present.with_extension("so"));
     cmd!(sh, "abidiff --no-added-syms --suppressions {known} {released} {present}").quiet().run().with_context(
-        || format!("programs built against {HEADER} of {tag} do not fit this one; docs/abi.md has the rules"),
+        || format!("programs built against the headers of {tag} do not fit these; docs/abi.md has the rules"),
     )?;
-    println!("{HEADER} breaks nothing for programs built against {tag}");
+    println!("the headers break nothing for programs built against {tag}");
     Ok(Outcome::Passed)
 }
 
@@ -47,7 +49,7 @@ fn soname(version: &str) -> Vec<&str> {
     if version.starts_with("0.") { parts.take(2).collect() } else { parts.take(1).collect() }
 }
 
-/// A shared library whose functions do nothing, with debug information about the header's types. abidiff cannot compare the libraries
+/// A shared library whose functions do nothing, with debug information about the headers' types. abidiff cannot compare the libraries
 /// themselves: their debug information is of lines alone.
 fn stand_in(workspace: &Workspace, header: &str, at: &Path) -> Result<()> {
     let mut text = format!("{header}\n");
@@ -71,18 +73,19 @@ pub fn exports(shared: &Path) -> Result<Vec<String>> {
     Ok(file.exports()?.iter().map(name).collect())
 }
 
-/// A shared library exports the functions that a header declares, all of them and nothing else.
-pub fn exported(header: &Path, shared: &Path) -> Result<()> {
+/// A shared library exports the functions that the headers of a folder declare, all of them and nothing else.
+pub fn exported(include: &Path, shared: &Path) -> Result<()> {
     let names: BTreeSet<String> = exports(shared)?.into_iter().collect();
-    let text = fs::read_to_string(header).with_context(|| format!("reading {}", header.display()))?;
-    let functions = declarations::header(&text)?.into_iter().filter(|item| matches!(item.form, Form::Function { .. }));
+    let functions = declarations::header(&declarations::read(include)?)?
+        .into_iter()
+        .filter(|item| matches!(item.form, Form::Function { .. }));
     let declared: BTreeSet<String> = functions.map(|item| item.name).collect();
-    let (header, shared) = (header.display(), shared.display());
+    let (include, shared) = (include.display(), shared.display());
     let foreign: Vec<_> = names.difference(&declared).collect();
-    ensure!(foreign.is_empty(), "{shared} exports {foreign:?}, which {header} does not declare");
+    ensure!(foreign.is_empty(), "{shared} exports {foreign:?}, which {include} does not declare");
     let absent: Vec<_> = declared.difference(&names).collect();
-    ensure!(absent.is_empty(), "{header} declares {absent:?}, which {shared} does not export");
-    println!("{shared} exports the {} functions that the header declares, and nothing else", names.len());
+    ensure!(absent.is_empty(), "{include} declares {absent:?}, which {shared} does not export");
+    println!("{shared} exports the {} functions that the headers declare, and nothing else", names.len());
     Ok(())
 }
 

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 use xshell::cmd;
 
-use crate::declarations::{self, HEADER};
+use crate::declarations::{self, INCLUDE};
 use crate::native;
 use crate::stage::Outcome;
 use crate::tools::Tool;
@@ -28,7 +28,7 @@ const MACHINE: (usize, [u8; 2]) = (18, [183, 0]);
 
 /// The texts of `TYPES` and `FUNCTIONS`.
 pub fn declarations(header: &str) -> Result<(String, String)> {
-    let items = declarations::header(header).context("reading include/crumple.h")?;
+    let items = declarations::header(header).context("reading the headers")?;
     write::files(&items)
 }
 
@@ -40,7 +40,7 @@ pub fn run(workspace: &Workspace) -> Result<Outcome> {
     let built = workspace.target.join("csharp");
     empty_directory(&built)?;
     compile(workspace, &built)?;
-    let header = fs::read_to_string(workspace.path(HEADER))?;
+    let header = declarations::read(&workspace.path(INCLUDE))?;
     let table = layouts(workspace, &prefix, &built, &header)?;
     let (sh, libraries) = (&workspace.shell, prefix.join("lib"));
     let mono = |program: &str, folder: &Path| {
@@ -172,7 +172,7 @@ mod tests {
     #[test]
     fn nothing_of_the_header_is_missing() -> Result<()> {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-        let header = fs::read_to_string(root.join(HEADER))?;
+        let header = declarations::read(&root.join(INCLUDE))?;
         let (types, functions) = declarations(&header)?;
         let code = || header.lines().filter(|line| line.starts_with(|first: char| first.is_ascii_alphabetic()));
         let declared: Vec<&str> = code()

@@ -1,9 +1,31 @@
-//! Reads `include/crumple.h`: the few forms of C that cbindgen writes, with their comments. Any other line is an error, so no
-//! declaration can be missing from what is generated.
+//! Reads the headers: the few forms of C that cbindgen writes, with their comments. Any other line is an error, so no declaration can
+//! be missing from what is generated.
+
+use std::fs;
+use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 
-pub const HEADER: &str = "include/crumple.h";
+/// The folder of the headers.
+pub const INCLUDE: &str = "include";
+/// The headers, each after those that it includes.
+pub const HEADERS: &[&str] =
+    &["crumple.h", "crumple_build.h", "crumple_import.h", "crumple_parts.h", "crumple_vulkan.h", "crumple_graph.h"];
+
+/// The headers of a folder as one text.
+pub fn read(include: &Path) -> Result<String> {
+    let text = |name: &&str| {
+        let file = include.join(name);
+        fs::read_to_string(&file).with_context(|| format!("reading {}", file.display()))
+    };
+    Ok(joined(&HEADERS.iter().map(text).collect::<Result<Vec<_>>>()?))
+}
+
+/// Headers, each after those that it includes, as one text.
+pub fn joined(headers: &[String]) -> String {
+    let lines = headers.iter().flat_map(|text| text.lines()).filter(|line| !line.starts_with("#include \""));
+    lines.flat_map(|line| [line, "\n"]).collect()
+}
 
 /// A C type: its name, the number of pointer stars, and the array length.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -93,9 +115,11 @@ pub fn header(text: &str) -> Result<Vec<Item>> {
 }
 
 fn ignored(line: &str) -> bool {
-    const LINES: &[&str] = &["", "#ifndef CRUMPLE_H", "#define CRUMPLE_H", "#ifdef __cplusplus", "extern \"C\" {"];
+    const LINES: &[&str] = &["", "#ifdef __cplusplus", "extern \"C\" {"];
     LINES.contains(&line)
         || line.starts_with("//")
+        || line.starts_with("#ifndef CRUMPLE_")
+        || line.starts_with("#define CRUMPLE_") && line.ends_with("_H")
         || line.starts_with("#include <std")
         || line.starts_with("#endif")
         || line.starts_with("}  // extern")
@@ -107,10 +131,11 @@ fn item(lines: &[&str]) -> Result<(String, Form)> {
         let (name, value) = define.split_once(' ').context("a #define without a value")?;
         return Ok((name.to_owned(), Form::Define { value: value.trim().to_owned() }));
     }
-    if first == "typedef enum {" || first == "typedef struct {" {
+    let opens = |kind: &str| first.starts_with(&format!("typedef {kind} ")) && first.ends_with(" {");
+    if opens("enum") || opens("struct") {
         let (last, body) = lines[1..].split_last().context("it has no body")?;
         let name = last.trim().trim_start_matches('}').trim_end_matches(';').trim().to_owned();
-        let form = if first.contains("enum") {
+        let form = if opens("enum") {
             Form::Enum { variants: variants(body)? }
         } else {
             Form::Struct { fields: fields(body)? }
@@ -188,9 +213,9 @@ mod tests {
     #[test]
     fn forms_of_c() -> Result<()> {
         let items = header(concat!(
-            "// Words.\n#define CRUMPLE_H\n/// One.\n///\n/// Two.\n#define CRUMPLE_A 3\n\ntypedef enum {\n    /// No.\n    CRUMPLE_E_NO = 0,\n",
+            "// Words.\n#define CRUMPLE_H\n/// One.\n///\n/// Two.\n#define CRUMPLE_A 3\n\ntypedef enum CrumpleE {\n    /// No.\n    CRUMPLE_E_NO = 0,\n",
             "} CrumpleE;\ntypedef struct CrumpleO CrumpleO;\ntypedef void (*CrumpleV)(void);\ntypedef void *(*CrumpleC)(size_t a,\n",
-            "    const char *const *b);\ntypedef struct {\n    /// In m.\n    float m[16];\n    const void *data;\n} CrumpleS;\n",
+            "    const char *const *b);\ntypedef struct CrumpleS {\n    /// In m.\n    float m[16];\n    const void *data;\n} CrumpleS;\n",
             "/// Does.\nuint32_t crumple_f(CrumpleO *o,\n    CrumpleO **out);\nconst char *crumple_g(void);\n"
         ))?;
         let names: Vec<&str> = items.iter().map(|item| item.name.as_str()).collect();

@@ -1,5 +1,5 @@
-//! `include/crumple.h`, which cbindgen writes from the sources of `src/capi`, and the C# and Python declarations made from it:
-//! committed, and compared in CI.
+//! The headers, which cbindgen writes from the sources of `src/capi`, and the C# and Python declarations made from them: committed,
+//! and compared in CI.
 
 use std::fs;
 
@@ -7,19 +7,116 @@ use anyhow::{Context, Result, anyhow, bail};
 use similar::TextDiff;
 
 use crate::csharp;
-use crate::declarations::HEADER;
+use crate::declarations::{self, HEADERS, INCLUDE};
 use crate::python;
 use crate::workspace::Workspace;
 
-/// Characters in a line of the header.
+/// The last line of an opening comment.
+const GENERATED: &str =
+    "// This file is generated from the library's source by `cargo xtask header`; do not edit it.\n";
+
+/// Characters in a line of a header.
 const WIDTH: usize = 120;
 
+/// A header beside crumple.h.
+struct Part {
+    name: &'static str,
+    /// The first lines of its opening comment.
+    about: &'static str,
+    include: &'static str,
+    /// Files of `src`, in the order in which their items are declared.
+    sources: &'static [&'static str],
+}
+
+/// Of crumple.h, whose opening comment is in cbindgen.toml.
+const CORE: &[&str] = &[
+    "capi/version.rs",
+    "capi/result.rs",
+    "capi/types.rs",
+    "select/hit.rs",
+    "contacts/options.rs",
+    "damage/mark.rs",
+    "capi/allocator.rs",
+    "capi/tasks.rs",
+    "capi/context.rs",
+    "capi/set.rs",
+    "capi/set_info.rs",
+    "capi/instance.rs",
+    "capi/hit.rs",
+    "capi/contacts.rs",
+    "capi/damage.rs",
+    "capi/host_memory.rs",
+    "capi/buffer.rs",
+    "capi/deform.rs",
+];
+
+const PARTS: &[Part] = &[
+    Part {
+        name: "crumple_build.h",
+        about: "\
+// Crumple: builds example sets from arrays, adds levels of detail to them, and saves them as baked sets.
+//
+// Games load baked sets (crumple.h). This header is for what makes them, and for bodies that are made at run time.
+",
+        include: "crumple.h",
+        sources: &[
+            "example/data.rs",
+            "example/options.rs",
+            "capi/memory.rs",
+            "capi/build.rs",
+            "capi/keep_out.rs",
+            "capi/example_info.rs",
+            "capi/map_damage.rs",
+        ],
+    },
+    Part {
+        name: "crumple_import.h",
+        about: "// Crumple: builds example sets from glTF and OBJ files.\n",
+        include: "crumple_build.h",
+        sources: &["capi/primitive.rs", "capi/load.rs"],
+    },
+    Part {
+        name: "crumple_parts.h",
+        about: "// Crumple: bodies whose parts come off, and points that move with the surface, such as lamps.\n",
+        include: "crumple.h",
+        sources: &["capi/parts.rs", "capi/attach.rs"],
+    },
+    Part {
+        name: "crumple_vulkan.h",
+        about: "\
+// Crumple: writes deformed vertices by a Vulkan device instead of the CPU.
+//
+// With your device: crumple_vulkan_attach, crumple_buffer_register_vulkan, and once a frame crumple_vulkan_record into your
+// VkCommandBuffer and crumple_vulkan_complete_frames. With a device of Crumple's own, which shares memory with yours:
+// crumple_vulkan_open, crumple_vulkan_import_buffer, crumple_buffer_register_vulkan, and once a frame crumple_vulkan_submit.
+//
+// Every call with a context may also return CRUMPLE_ERROR_VULKAN and CRUMPLE_ERROR_DEVICE_LOST.
+",
+        include: "crumple.h",
+        sources: &["capi/vulkan_types.rs", "capi/vulkan.rs"],
+    },
+    Part {
+        name: "crumple_graph.h",
+        about: "\
+// Crumple: writes deformed vertices in passes of your own render graph.
+//
+// Register vertex buffers with crumple_buffer_register_graph. Once a frame, crumple_graph_plan returns what to upload and to
+// dispatch, with kernels of crumple_graph_get_kernel. Crumple calls no graphics library.
+",
+        include: "crumple_vulkan.h",
+        sources: &["capi/graph_types.rs", "capi/graph.rs"],
+    },
+];
+
 pub fn run(workspace: &Workspace, check: bool) -> Result<()> {
-    let header = generate(workspace)?;
-    let (types, functions) = csharp::declarations(&header)?;
-    let python = python::declarations(&header)?;
-    let files =
-        [(HEADER, header), (csharp::TYPES, types), (csharp::FUNCTIONS, functions), (python::DECLARATIONS, python)];
+    let headers = generate(workspace)?;
+    let joined = declarations::joined(&headers);
+    let (types, functions) = csharp::declarations(&joined)?;
+    let python = python::declarations(&joined)?;
+    let mut files: Vec<_> = HEADERS.iter().map(|name| format!("{INCLUDE}/{name}")).zip(headers).collect();
+    for (name, text) in [(csharp::TYPES, types), (csharp::FUNCTIONS, functions), (python::DECLARATIONS, python)] {
+        files.push((name.to_owned(), text));
+    }
     for (name, fresh) in &files {
         if check { compare(workspace, name, fresh)? } else { write(workspace, name, fresh)? }
     }
@@ -45,20 +142,45 @@ fn compare(workspace: &Workspace, name: &str, fresh: &str) -> Result<()> {
     Ok(())
 }
 
-fn generate(workspace: &Workspace) -> Result<String> {
-    let config = cbindgen::Config::from_file(workspace.path("cbindgen.toml"))
+/// The texts of `HEADERS`.
+fn generate(workspace: &Workspace) -> Result<Vec<String>> {
+    let shared = cbindgen::Config::from_file(workspace.path("cbindgen.toml"))
         .map_err(|message| anyhow!("cbindgen.toml: {message}"))?;
-    let bindings = cbindgen::Builder::new()
-        .with_crate(&workspace.root)
-        .with_config(config)
-        .generate()
-        .context("cbindgen cannot read the sources; does the library build?")?;
+    let part = |name: &&str| {
+        let Some(part) = PARTS.iter().find(|part| part.name == *name) else {
+            return write_header(workspace, CORE, shared.clone());
+        };
+        let config = cbindgen::Config {
+            header: Some(format!("{}//\n{GENERATED}", part.about)),
+            include_guard: Some(name.to_uppercase().replace('.', "_")),
+            after_includes: Some(format!("\n#include \"{}\"", part.include)),
+            ..shared.clone()
+        };
+        write_header(workspace, part.sources, config)
+    };
+    HEADERS.iter().map(part).collect()
+}
+
+/// What `sources` declare. Types of other files are written as they are named.
+fn write_header(workspace: &Workspace, sources: &[&str], config: cbindgen::Config) -> Result<String> {
+    let builder = sources
+        .iter()
+        .fold(cbindgen::Builder::new(), |builder, file| builder.with_src(workspace.path("src").join(file)));
+    let bindings =
+        builder.with_config(config).generate().context("cbindgen cannot read the sources; does the library build?")?;
     let mut text = Vec::new();
     bindings.write(&mut text);
     let text = String::from_utf8(text)?.replace("\r\n", "\n");
     // Items that cbindgen leaves out leave their blank lines behind.
     let mut lines: Vec<String> = Vec::new();
+    // Where the arguments of a function begin.
+    let mut column = 0;
     for line in text.lines() {
+        // With tags, cbindgen also refers to types by them.
+        let line = &match line.starts_with("typedef struct ") || line.starts_with("typedef enum ") {
+            true => line.to_owned(),
+            false => line.replace("struct Crumple", "Crumple").replace("enum Crumple", "Crumple"),
+        };
         // Constants go together.
         if line.starts_with("///") && lines.ends_with(&[String::new()]) && lines[lines.len() - 2].starts_with("#define")
         {
@@ -71,7 +193,11 @@ fn generate(workspace: &Workspace) -> Result<String> {
                 above.push(' ');
                 above.push_str(line.trim_start());
             }
-            _ => lines.push(line.to_owned()),
+            _ if line.starts_with("      ") => lines.push(" ".repeat(column) + line.trim_start()),
+            _ => {
+                column = line.rfind('(').map_or(0, |parenthesis| parenthesis + 1);
+                lines.push(line.to_owned());
+            }
         }
     }
     Ok(lines.join("\n") + "\n")

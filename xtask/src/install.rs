@@ -1,7 +1,7 @@
 //! `cargo xtask install`: installs the C library in a folder that may be moved afterwards.
 //!
 //! ```text
-//! PREFIX/include/crumple.h, crumple.hpp
+//! PREFIX/include/crumple.h, crumple_*.h, crumple.hpp
 //! PREFIX/lib/libcrumple.so.0.1.0, libcrumple.so.0.1, libcrumple.so, libcrumple.a, static-libraries.txt
 //! PREFIX/lib/cmake/Crumple/*.cmake
 //! PREFIX/lib/pkgconfig/crumple.pc
@@ -20,6 +20,7 @@ use object::read::elf::{Dynamic, FileHeader};
 use object::{Endianness, FileKind, Object};
 
 use crate::abi;
+use crate::declarations::{HEADERS, INCLUDE};
 use crate::target::Target;
 use crate::workspace::Workspace;
 
@@ -137,8 +138,8 @@ pub fn lay_out(workspace: &Workspace, built: &Built, prefix: &Path) -> Result<()
     let lib = prefix.join("lib");
     copy_shared(workspace, built, prefix)?;
     copy(&built.static_library, &lib)?;
-    for header in ["include/crumple.h", "include/crumple.hpp"] {
-        copy(&workspace.path(header), &prefix.join("include"))?;
+    for header in HEADERS.iter().chain(&["crumple.hpp"]) {
+        copy(&workspace.path(INCLUDE).join(header), &prefix.join("include"))?;
     }
     for license in ["LICENSE-MIT", "LICENSE-APACHE"] {
         copy(&workspace.path(license), &prefix.join("share/licenses/crumple"))?;

@@ -71,7 +71,7 @@ enum Command {
     },
     /// Run the Rust, C and C++ tests, with Vulkan on Mesa's software driver; --all: every test stage
     Test(test::Options),
-    /// Write include/crumple.h from the Rust sources, and the C# and Python declarations from the header
+    /// Write the headers from the Rust sources, and the C# and Python declarations from the headers
     Header {
         /// Write nothing; fail with a diff if a committed file does not match the sources
         #[arg(long)]

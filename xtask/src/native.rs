@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 use xshell::cmd;
 
 use crate::abi;
-use crate::declarations::HEADER;
+use crate::declarations::INCLUDE;
 use crate::install::{self, Profile};
 use crate::stage::{Outcome, all_passed};
 use crate::target::Target;
@@ -23,7 +23,7 @@ const ALL: &[(&str, &str)] =
 
 pub fn install_release(workspace: &Workspace) -> Result<Outcome> {
     let prefix = release_prefix(workspace)?;
-    abi::exported(&workspace.path(HEADER), &install::shared(&Target::host(workspace)?, &prefix))?;
+    abi::exported(&workspace.path(INCLUDE), &install::shared(&Target::host(workspace)?, &prefix))?;
     Ok(Outcome::Passed)
 }
 

@@ -9,7 +9,7 @@ use anyhow::{Context, Result, ensure};
 use xshell::cmd;
 
 use crate::command::Command;
-use crate::declarations::{self, Form, HEADER};
+use crate::declarations::{self, Form, HEADERS, INCLUDE};
 use crate::install::{self, Built, Profile};
 use crate::native::{self, Build};
 use crate::package;
@@ -182,19 +182,20 @@ impl Platform<'_> {
         Ok(())
     }
 
-    /// Compiles and links a program as for Microsoft's tools, with every function of the header, and runs it.
+    /// Compiles and links a program as for Microsoft's tools, with every function of the headers, and runs it.
     fn microsoft(&self, prefix: &Path) -> Result<()> {
         let sh = &self.workspace.shell;
         let folder = self.workspace.target.join("msvc");
         empty_directory(&folder)?;
         let (include, import) = (prefix.join("include"), prefix.join("lib/crumple.dll.lib"));
         let (source, object) = (self.workspace.path("xtask/platforms/msvc.c"), folder.join("client.obj"));
-        let functions = functions(&fs::read_to_string(self.workspace.path(HEADER))?)?;
+        let functions = functions(&declarations::read(&self.workspace.path(INCLUDE))?)?;
         let all = format!("-DALL={}", functions.join(","));
         let microsoft = ["--target=x86_64-pc-windows-msvc", "-ffreestanding", "-Wall", "-Wextra", "-Werror"];
         for (language, standard) in [("c", "-std=c99"), ("c++", "-std=c++17")] {
-            let header = include.join("crumple.h");
-            cmd!(sh, "clang {microsoft...} -x {language} {standard} -fsyntax-only {header}").quiet().run()?;
+            for header in HEADERS.iter().map(|name| include.join(name)) {
+                cmd!(sh, "clang {microsoft...} -x {language} {standard} -fsyntax-only {header}").quiet().run()?;
+            }
         }
         cmd!(sh, "clang {microsoft...} -std=c99 -I {include} {all} -c {source} -o {object}").quiet().run()?;
         let program = folder.join("client.exe");
@@ -211,7 +212,7 @@ impl Platform<'_> {
 /// The installed library exports what the header declares. A DLL needs nothing but Windows beside it.
 fn abi_of(workspace: &Workspace, target: &Target, prefix: &Path) -> Result<()> {
     let shared = install::shared(target, prefix);
-    crate::abi::exported(&workspace.path(HEADER), &shared)?;
+    crate::abi::exported(&workspace.path(INCLUDE), &shared)?;
     if target.is_windows() { install::needs_windows_alone(&shared) } else { install::stays_loaded(&shared) }
 }
 

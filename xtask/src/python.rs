@@ -39,7 +39,7 @@ pub struct Options {
 
 /// The text of `DECLARATIONS`.
 pub fn declarations(header: &str) -> Result<String> {
-    let items = declarations::header(header).context("reading include/crumple.h")?;
+    let items = declarations::header(header).context("reading the headers")?;
     write::module(&items)
 }
 

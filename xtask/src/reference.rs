@@ -1,27 +1,33 @@
-//! `docs/reference.md` of an archive: the C interface as a page, made of the header's comments.
+//! `docs/reference.md` of an archive: the C interface as a page, made of the headers' comments.
 
 use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
 
 use anyhow::{Context, Result};
 
-use crate::declarations::{self, Item};
+use crate::declarations::{self, HEADERS, Item};
 
 pub const PAGE: &str = "docs/reference.md";
 const OPENING: &str = "# The C interface
 
-Every function and type of [crumple.h](../include/crumple.h), in its order. [quickstart.c](../examples-c/quickstart.c) is a whole program.
+Every function and type of the [headers](../include), in their order. [quickstart.c](../examples-c/quickstart.c) is a whole program.
 [crumple.hpp](../include/crumple.hpp) has the same for C++17, and [bindings/unity/Runtime](../bindings/unity/Runtime) for C#.
 ";
 
-pub fn page(header: &str) -> Result<String> {
-    let items = declarations::header(header).context("reading include/crumple.h")?;
-    let known: BTreeSet<&str> = items.iter().map(|item| item.name.as_str()).collect();
-    let opening =
-        header.lines().map_while(|line| line.strip_prefix("//")).map(|line| line.strip_prefix(' ').unwrap_or(line));
-    let mut page = format!("{OPENING}\n```text\n{}\n```\n", opening.collect::<Vec<_>>().join("\n").trim());
-    for Item { docs, name, text, .. } in &items {
-        page += &format!("\n## {name}\n\n```c\n{text}\n```\n\n");
-        docs.iter().for_each(|line| page.push_str(&(linked(line, &known) + "\n")));
+pub fn page(include: &Path) -> Result<String> {
+    let all = declarations::header(&declarations::read(include)?).context("reading the headers")?;
+    let known: BTreeSet<&str> = all.iter().map(|item| item.name.as_str()).collect();
+    let mut page = OPENING.to_owned();
+    for file in HEADERS {
+        let header = fs::read_to_string(include.join(file))?;
+        let opening = header.lines().map_while(|line| line.strip_prefix("//"));
+        let opening: Vec<_> = opening.map(|line| line.strip_prefix(' ').unwrap_or(line)).collect();
+        page += &format!("\n## {file}\n\n```text\n{}\n```\n", opening.join("\n").trim());
+        for Item { docs, name, text, .. } in &declarations::header(&declarations::joined(&[header]))? {
+            page += &format!("\n### {name}\n\n```c\n{text}\n```\n\n");
+            docs.iter().for_each(|line| page.push_str(&(linked(line, &known) + "\n")));
+        }
     }
     Ok(page)
 }

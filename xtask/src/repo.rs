@@ -128,18 +128,18 @@ fn unsafe_blocks(workspace: &Workspace, fix: bool) -> Result<()> {
     Ok(())
 }
 
-/// The fuzz target of the C interface calls every function of the header.
+/// The fuzz target of the C interface calls every function of the headers.
 fn fuzzed(workspace: &Workspace) -> Result<()> {
     let mut calls = String::new();
     for file in files(&workspace.path(CALLS))? {
         calls.push_str(&fs::read_to_string(file)?);
     }
-    let items = declarations::header(&read(workspace, "include/crumple.h")?)?;
+    let items = declarations::header(&declarations::read(&workspace.path(declarations::INCLUDE))?)?;
     let functions: Vec<String> =
         items.into_iter().filter(|item| matches!(item.form, Form::Function { .. })).map(|item| item.name).collect();
     let missing: Vec<_> = functions.iter().filter(|name| !calls.contains(&format!("{name}("))).collect();
     ensure!(missing.is_empty(), "{CALLS} does not call {missing:?}; the fuzzer reaches a function only from there");
-    println!("{CALLS} calls all {} functions of the header", functions.len());
+    println!("{CALLS} calls all {} functions of the headers", functions.len());
     Ok(())
 }
 

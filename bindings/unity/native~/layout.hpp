@@ -4,6 +4,8 @@
 
 #include "crumple_unity.h"
 
+#include <crumple_vulkan.h>
+
 #include <string>
 
 namespace crumple_unity {

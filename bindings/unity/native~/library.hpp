@@ -6,13 +6,13 @@
 #ifndef CRUMPLE_UNITY_LIBRARY_HPP
 #define CRUMPLE_UNITY_LIBRARY_HPP
 
-#include <crumple.h>
+#include <crumple_vulkan.h>
 
 #include <string>
 
 namespace crumple_unity {
 
-// Every function of crumple.h that the shim calls.
+// Every function of Crumple that the shim calls.
 #define CRUMPLE_UNITY_FUNCTIONS(F)                                                                                               \
     F(crumple_version)                                                                                                           \
     F(crumple_features)                                                                                                          \

@@ -7,6 +7,8 @@
 #include "CrumpleSet.h"
 #include "StandinEngine.h"
 
+#include "crumple_import.h"
+
 #include <cstdio>
 #include <cstdlib>
 #include <vector>

@@ -6,12 +6,13 @@ use std::fmt::Write;
 use anyhow::Result;
 
 use super::write::pascal;
-use crate::declarations::{Form, Item};
+use crate::declarations::{Form, HEADERS, Item};
 
 /// Its lines: `CrumpleMark 32`, `CrumpleMark.Depth 4 4`, `CrumpleMark.Pairs1 20 4`.
 pub fn program(items: &[Item]) -> Result<String> {
     let structs = |name: &str| items.iter().any(|item| item.name == name && matches!(item.form, Form::Struct { .. }));
-    let mut text = String::from("#include <crumple.h>\n#include <stdio.h>\n\nint main(void) {\n");
+    let mut text: String = HEADERS.iter().map(|name| format!("#include <{name}>\n")).collect();
+    text.push_str("#include <stdio.h>\n\nint main(void) {\n");
     for Item { name, form, .. } in items {
         let Form::Struct { fields } = form else { continue };
         writeln!(text, "    printf(\"{name} %zu\\n\", sizeof({name}));")?;

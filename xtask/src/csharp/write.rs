@@ -1,4 +1,4 @@
-//! The C# declarations of everything in `include/crumple.h`: blittable structs, enums, delegates and P/Invoke functions.
+//! The C# declarations of everything in the headers of `include`: blittable structs, enums, delegates and P/Invoke functions.
 //! csbindgen does not serve: it reads the Rust sources and cannot translate the callbacks and the `MaybeUninit` fields of defs there.
 
 use std::fmt::Write;
@@ -8,7 +8,7 @@ use anyhow::{Context, Result, bail};
 use crate::declarations::{Form, Item, Type, Variable, Variant};
 
 const HEAD: &str = "\
-// Generated from include/crumple.h by `cargo xtask header`; do not edit it. That header documents what is declared here.
+// Generated from the headers in include by `cargo xtask header`; do not edit it. They document what is declared here.
 #pragma warning disable 1591
 
 using System;
@@ -19,7 +19,7 @@ const METHODS: &str = "\
 namespace Crumple.Native
 {
     /// <summary>
-    /// The functions of crumple.h. Call <see cref=\"CrumpleRuntime.EnsureLoaded\"/> first: it says what is wrong with a library that is
+    /// The functions of the C headers. Call <see cref=\"CrumpleRuntime.EnsureLoaded\"/> first: it says what is wrong with a library that is
     /// missing or does not fit.
     /// </summary>
     public static unsafe class NativeMethods
@@ -154,7 +154,7 @@ impl Writer<'_> {
         let keyword = if has_fixed { "unsafe " } else { "" };
         writeln!(
             text,
-            "    /// <summary>The struct of crumple.h.</summary>\n    [StructLayout(LayoutKind.Sequential)]"
+            "    /// <summary>The struct of the C headers.</summary>\n    [StructLayout(LayoutKind.Sequential)]"
         )?;
         writeln!(text, "    public {keyword}partial struct {structure}\n    {{")?;
         for field in fields {

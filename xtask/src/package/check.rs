@@ -30,6 +30,11 @@ const PRESENT: &[&str] = &[
     "THIRD-PARTY-LICENSES.txt",
     "RUST-STANDARD-LIBRARY-LICENSES.html",
     "include/crumple.h",
+    "include/crumple_build.h",
+    "include/crumple_graph.h",
+    "include/crumple_import.h",
+    "include/crumple_parts.h",
+    "include/crumple_vulkan.h",
     "include/crumple.hpp",
     "lib/static-libraries.txt",
     "lib/cmake/Crumple/CrumpleConfig.cmake",
@@ -138,7 +143,7 @@ fn unpack(workspace: &Workspace, flavour: &Flavour, packed: &Packed, root: &Path
 
     said(workspace, flavour, packed, &folder)?;
     pages(&folder)?;
-    abi::exported(&folder.join("include/crumple.h"), &install::shared(&packed.target, &folder))?;
+    abi::exported(&folder.join("include"), &install::shared(&packed.target, &folder))?;
     Ok(folder)
 }
 

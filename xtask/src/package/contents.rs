@@ -7,7 +7,7 @@ use anyhow::{Context, Result, ensure};
 
 use super::licenses::{FILE as LICENSES, STANDARD_LIBRARY};
 use super::{Parts, files, git, markdown};
-use crate::declarations::HEADER;
+use crate::declarations::{HEADERS, INCLUDE};
 use crate::install;
 use crate::native::{self, Build};
 use crate::reference;
@@ -33,6 +33,7 @@ const OVERVIEW: (&str, &str) = ("README.md", "OVERVIEW.md");
 const README: &str = "xtask/package/README.md.in";
 const UNITY: &str = "bindings/unity";
 const UNREAL: &str = "bindings/unreal";
+const UNREAL_HEADERS: &str = "bindings/unreal/Source/ThirdParty/CrumpleLibrary/Public";
 /// Unity's renderer plugin in C++. Unity ignores folders that end in ~.
 const UNITY_NATIVE: &str = "bindings/unity/native~";
 
@@ -47,8 +48,6 @@ const ENGINES: &[(&str, &str, &str, &str)] = &[
     ("windows", "lib/crumple.dll.lib", UNREAL, "Source/ThirdParty/CrumpleLibrary/Lib/Win64/crumple.dll.lib"),
     ("apple", "lib/libcrumple.dylib", UNITY, "Plugins/x86_64/libcrumple.dylib"),
     ("apple", "lib/libcrumple.a", UNREAL, "Source/ThirdParty/CrumpleLibrary/Lib/Mac/libcrumple.a"),
-    ("", "include/crumple.h", UNREAL, "Source/ThirdParty/CrumpleLibrary/Public/crumple.h"),
-    ("", "include/crumple.hpp", UNREAL, "Source/ThirdParty/CrumpleLibrary/Public/crumple.hpp"),
     ("", LICENSES, UNITY, "Documentation~/THIRD-PARTY-LICENSES.txt"),
     ("", LICENSES, UNREAL, LICENSES),
     ("", STANDARD_LIBRARY, UNITY, "Documentation~/RUST-STANDARD-LIBRARY-LICENSES.html"),
@@ -65,8 +64,11 @@ pub fn copy(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
     }
     put(&workspace.path(OVERVIEW.0), &folder.join(OVERVIEW.1))?;
     readme(workspace, parts, folder)?;
-    let header = fs::read_to_string(workspace.path(HEADER)).with_context(|| format!("reading {HEADER}"))?;
-    fs::write(folder.join(reference::PAGE), reference::page(&header)?).context("writing the reference page")?;
+    for header in HEADERS.iter().chain(&["crumple.hpp"]) {
+        put(&workspace.path(INCLUDE).join(header), &folder.join(UNREAL_HEADERS).join(header))?;
+    }
+    fs::write(folder.join(reference::PAGE), reference::page(&workspace.path(INCLUDE))?)
+        .context("writing the reference page")?;
     unity_plugin(workspace, parts, folder)?;
     engines(workspace, parts, folder)?;
     for page in files(folder)?.iter().filter(|path| path.extension().is_some_and(|extension| extension == "md")) {

@@ -1,4 +1,4 @@
-//! The Python declarations of everything in `include/crumple.h`, for the standard library's `ctypes`.
+//! The Python declarations of everything in the headers of `include`, for the standard library's `ctypes`.
 
 use std::fmt::Write;
 
@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 use crate::declarations::{Form, Item, Type, Variable, Variant};
 
 const HEAD: &str = "\
-# Generated from include/crumple.h by `cargo xtask header`; do not edit it. That header documents what is declared here.
+# Generated from the headers in include by `cargo xtask header`; do not edit it. They document what is declared here.
 import ctypes as c
 from enum import IntEnum
 from typing import Any

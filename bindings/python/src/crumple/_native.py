@@ -1,4 +1,4 @@
-# Generated from include/crumple.h by `cargo xtask header`; do not edit it. That header documents what is declared here.
+# Generated from the headers in include by `cargo xtask header`; do not edit it. They document what is declared here.
 import ctypes as c
 from enum import IntEnum
 from typing import Any
@@ -46,36 +46,6 @@ class CrumpleLogLevel(IntEnum):
 
     INFO = 0
     WARNING = 1
-
-
-class CrumpleContactKind(IntEnum):
-    """How an example's contact (the place where it was hit) is given."""
-
-    NONE = 0
-    VERTEX = 1
-    POINT = 2
-
-
-class CrumplePlacement(IntEnum):
-    """Whether an example stays where it was made (anchored) or moves to where the body was hit (carried)."""
-
-    AUTOMATIC = 0
-    ANCHORED = 1
-    CARRIED = 2
-
-
-class CrumpleIndexType(IntEnum):
-    """The type of triangle indices. CRUMPLE_INDEX_TYPE_U32 is the default."""
-
-    U32 = 0
-    U16 = 1
-
-
-class CrumpleSeams(IntEnum):
-    """What happens when an example moves apart vertices that share a base position."""
-
-    WELD = 0
-    KEEP = 1
 
 
 class CrumpleBytes(IntEnum):
@@ -132,13 +102,6 @@ class CrumpleDirectionFormat(IntEnum):
     OCTAHEDRAL = 1
 
 
-class CrumpleHandleType(IntEnum):
-    """The type of a handle to shared memory or to a semaphore."""
-
-    OPAQUE_FD = 0
-    OPAQUE_WIN32 = 1
-
-
 CrumpleAlloc = c.CFUNCTYPE(c.c_void_p, c.c_size_t, c.c_size_t, c.c_void_p)
 
 
@@ -181,138 +144,11 @@ class CrumpleContextDef(c.Structure):
     ]
 
 
-class CrumpleInput(c.Structure):
-    _fields_ = [
-        ("data", c.c_void_p),
-        ("size", c.c_size_t),
-        ("stride", c.c_size_t),
-    ]
-
-
-class CrumpleVec3(c.Structure):
-    _fields_ = [
-        ("x", c.c_float),
-        ("y", c.c_float),
-        ("z", c.c_float),
-    ]
-
-
-class CrumpleStriker(c.Structure):
-    _fields_ = [
-        ("mass", c.c_float),
-        ("radius", c.c_float),
-        ("velocity", CrumpleVec3),
-    ]
-
-
-class CrumpleExampleDef(c.Structure):
-    _fields_ = [
-        ("struct_size", c.c_uint32),
-        ("delta_count", c.c_uint32),
-        ("name", c.c_char_p),
-        ("target_positions", CrumpleInput),
-        ("target_normals", CrumpleInput),
-        ("delta_indices", CrumpleInput),
-        ("position_deltas", CrumpleInput),
-        ("normal_deltas", CrumpleInput),
-        ("contact_kind", c.c_uint32),
-        ("contact_vertex", c.c_uint32),
-        ("contact_point", CrumpleVec3),
-        ("contact_normal", CrumpleVec3),
-        ("impulse", CrumpleVec3),
-        ("duration", c.c_float),
-        ("striker", CrumpleStriker),
-        ("has_contact_normal", c.c_bool),
-        ("placement", c.c_uint32),
-    ]
-
-
-class CrumpleMeshDef(c.Structure):
-    _fields_ = [
-        ("vertex_count", c.c_uint32),
-        ("index_count", c.c_uint32),
-        ("positions", CrumpleInput),
-        ("normals", CrumpleInput),
-        ("tangents", CrumpleInput),
-        ("indices", CrumpleInput),
-        ("index_type", c.c_uint32),
-        ("depth_limits", CrumpleInput),
-        ("stiffness", CrumpleInput),
-    ]
-
-
-class CrumpleExampleSetOptions(c.Structure):
-    _fields_ = [
-        ("depth_limit", c.c_float),
-        ("drop_below", c.c_float),
-        ("vertex_mass", c.c_float),
-        ("stamp_resolution", c.c_uint32),
-        ("bake_tolerance", c.c_float),
-        ("bake_normal_tolerance", c.c_float),
-        ("vertex_masses", CrumpleInput),
-        ("seams", c.c_uint32),
-        ("mirror", c.c_bool),
-        ("held_rims", c.c_bool),
-    ]
-
-
-class CrumpleExampleSetDef(c.Structure):
-    _fields_ = [
-        ("struct_size", c.c_uint32),
-        ("example_count", c.c_uint32),
-        ("mesh", CrumpleMeshDef),
-        ("examples", c.POINTER(CrumpleExampleDef)),
-        ("options", CrumpleExampleSetOptions),
-    ]
-
-
 class CrumpleExampleSet(c.Structure):
     _fields_ = [
         ("index", c.c_uint32),
         ("generation", c.c_uint16),
         ("context", c.c_uint16),
-    ]
-
-
-class CrumpleLodDef(c.Structure):
-    _fields_ = [
-        ("struct_size", c.c_uint32),
-        ("mesh", CrumpleMeshDef),
-    ]
-
-
-class CrumpleCapsule(c.Structure):
-    _fields_ = [
-        ("a", CrumpleVec3),
-        ("b", CrumpleVec3),
-        ("radius", c.c_float),
-    ]
-
-
-class CrumpleGltfDef(c.Structure):
-    _fields_ = [
-        ("struct_size", c.c_uint32),
-        ("mesh_index", c.c_uint32),
-        ("mesh_name", c.c_char_p),
-        ("path", c.c_char_p),
-        ("options", CrumpleExampleSetOptions),
-        ("join_nodes", c.c_bool),
-        ("unit", c.c_float),
-        ("nodes", c.c_char_p),
-        ("targets", c.c_char_p),
-        ("rigid", c.c_char_p),
-        ("glass", c.c_char_p),
-        ("moving", c.c_char_p),
-    ]
-
-
-class CrumpleObjDef(c.Structure):
-    _fields_ = [
-        ("struct_size", c.c_uint32),
-        ("example_count", c.c_uint32),
-        ("base_path", c.c_char_p),
-        ("example_paths", c.POINTER(c.c_char_p)),
-        ("options", CrumpleExampleSetOptions),
     ]
 
 
@@ -333,6 +169,14 @@ class CrumpleMeshCopyDef(c.Structure):
         ("normals", CrumpleStream),
         ("tangents", CrumpleStream),
         ("indices", CrumpleStream),
+    ]
+
+
+class CrumpleVec3(c.Structure):
+    _fields_ = [
+        ("x", c.c_float),
+        ("y", c.c_float),
+        ("z", c.c_float),
     ]
 
 
@@ -362,34 +206,6 @@ class CrumpleExampleSetInfo(c.Structure):
         ("field_error", c.c_float),
         ("depth_error", c.c_float),
         ("reserved", c.c_uint64 * 2),
-    ]
-
-
-class CrumpleExampleInfo(c.Structure):
-    _fields_ = [
-        ("name", c.c_char_p),
-        ("contact_vertex", c.c_uint32),
-        ("moved_vertices", c.c_uint32),
-        ("contact_point", CrumpleVec3),
-        ("contact_normal", CrumpleVec3),
-        ("depth", c.c_float),
-        ("max_depth", c.c_float),
-        ("support_radius", c.c_float),
-        ("placement", c.c_uint32),
-        ("field_error", c.c_float),
-        ("depth_error", c.c_float),
-        ("reserved", c.c_uint64),
-    ]
-
-
-class CrumplePrimitive(c.Structure):
-    _fields_ = [
-        ("material", c.c_char_p),
-        ("first_vertex", c.c_uint32),
-        ("vertex_count", c.c_uint32),
-        ("first_triangle", c.c_uint32),
-        ("triangle_count", c.c_uint32),
-        ("reserved", c.c_uint32 * 2),
     ]
 
 
@@ -431,6 +247,14 @@ class CrumpleInstanceInfo(c.Structure):
         ("contact_count", c.c_uint32),
         ("revision", c.c_uint64),
         ("reserved", c.c_uint32 * 2),
+    ]
+
+
+class CrumpleStriker(c.Structure):
+    _fields_ = [
+        ("mass", c.c_float),
+        ("radius", c.c_float),
+        ("velocity", CrumpleVec3),
     ]
 
 
@@ -551,18 +375,6 @@ class CrumpleContactReport(c.Structure):
     ]
 
 
-class CrumpleDamageMapping(c.Structure):
-    _fields_ = [
-        ("kept", c.c_uint32),
-        ("moved", c.c_uint32),
-        ("too_far", c.c_uint32),
-        ("without_example", c.c_uint32),
-        ("distance", c.c_float),
-        ("missing_examples", c.c_uint32),
-        ("first_missing_example", c.c_uint32),
-    ]
-
-
 class CrumpleHostBufferDef(c.Structure):
     _fields_ = [
         ("struct_size", c.c_uint32),
@@ -599,6 +411,220 @@ class CrumpleRange(c.Structure):
         ("first", c.c_uint32),
         ("count", c.c_uint32),
     ]
+
+
+class CrumpleContactKind(IntEnum):
+    """How an example's contact (the place where it was hit) is given."""
+
+    NONE = 0
+    VERTEX = 1
+    POINT = 2
+
+
+class CrumplePlacement(IntEnum):
+    """Whether an example stays where it was made (anchored) or moves to where the body was hit (carried)."""
+
+    AUTOMATIC = 0
+    ANCHORED = 1
+    CARRIED = 2
+
+
+class CrumpleIndexType(IntEnum):
+    """The type of triangle indices. CRUMPLE_INDEX_TYPE_U32 is the default."""
+
+    U32 = 0
+    U16 = 1
+
+
+class CrumpleSeams(IntEnum):
+    """What happens when an example moves apart vertices that share a base position."""
+
+    WELD = 0
+    KEEP = 1
+
+
+class CrumpleInput(c.Structure):
+    _fields_ = [
+        ("data", c.c_void_p),
+        ("size", c.c_size_t),
+        ("stride", c.c_size_t),
+    ]
+
+
+class CrumpleExampleDef(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("delta_count", c.c_uint32),
+        ("name", c.c_char_p),
+        ("target_positions", CrumpleInput),
+        ("target_normals", CrumpleInput),
+        ("delta_indices", CrumpleInput),
+        ("position_deltas", CrumpleInput),
+        ("normal_deltas", CrumpleInput),
+        ("contact_kind", c.c_uint32),
+        ("contact_vertex", c.c_uint32),
+        ("contact_point", CrumpleVec3),
+        ("contact_normal", CrumpleVec3),
+        ("impulse", CrumpleVec3),
+        ("duration", c.c_float),
+        ("striker", CrumpleStriker),
+        ("has_contact_normal", c.c_bool),
+        ("placement", c.c_uint32),
+    ]
+
+
+class CrumpleMeshDef(c.Structure):
+    _fields_ = [
+        ("vertex_count", c.c_uint32),
+        ("index_count", c.c_uint32),
+        ("positions", CrumpleInput),
+        ("normals", CrumpleInput),
+        ("tangents", CrumpleInput),
+        ("indices", CrumpleInput),
+        ("index_type", c.c_uint32),
+        ("depth_limits", CrumpleInput),
+        ("stiffness", CrumpleInput),
+    ]
+
+
+class CrumpleExampleSetOptions(c.Structure):
+    _fields_ = [
+        ("depth_limit", c.c_float),
+        ("drop_below", c.c_float),
+        ("vertex_mass", c.c_float),
+        ("stamp_resolution", c.c_uint32),
+        ("bake_tolerance", c.c_float),
+        ("bake_normal_tolerance", c.c_float),
+        ("vertex_masses", CrumpleInput),
+        ("seams", c.c_uint32),
+        ("mirror", c.c_bool),
+        ("held_rims", c.c_bool),
+    ]
+
+
+class CrumpleExampleSetDef(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("example_count", c.c_uint32),
+        ("mesh", CrumpleMeshDef),
+        ("examples", c.POINTER(CrumpleExampleDef)),
+        ("options", CrumpleExampleSetOptions),
+    ]
+
+
+class CrumpleLodDef(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("mesh", CrumpleMeshDef),
+    ]
+
+
+class CrumpleCapsule(c.Structure):
+    _fields_ = [
+        ("a", CrumpleVec3),
+        ("b", CrumpleVec3),
+        ("radius", c.c_float),
+    ]
+
+
+class CrumpleExampleInfo(c.Structure):
+    _fields_ = [
+        ("name", c.c_char_p),
+        ("contact_vertex", c.c_uint32),
+        ("moved_vertices", c.c_uint32),
+        ("contact_point", CrumpleVec3),
+        ("contact_normal", CrumpleVec3),
+        ("depth", c.c_float),
+        ("max_depth", c.c_float),
+        ("support_radius", c.c_float),
+        ("placement", c.c_uint32),
+        ("field_error", c.c_float),
+        ("depth_error", c.c_float),
+        ("reserved", c.c_uint64),
+    ]
+
+
+class CrumpleDamageMapping(c.Structure):
+    _fields_ = [
+        ("kept", c.c_uint32),
+        ("moved", c.c_uint32),
+        ("too_far", c.c_uint32),
+        ("without_example", c.c_uint32),
+        ("distance", c.c_float),
+        ("missing_examples", c.c_uint32),
+        ("first_missing_example", c.c_uint32),
+    ]
+
+
+class CrumpleGltfDef(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("mesh_index", c.c_uint32),
+        ("mesh_name", c.c_char_p),
+        ("path", c.c_char_p),
+        ("options", CrumpleExampleSetOptions),
+        ("join_nodes", c.c_bool),
+        ("unit", c.c_float),
+        ("nodes", c.c_char_p),
+        ("targets", c.c_char_p),
+        ("rigid", c.c_char_p),
+        ("glass", c.c_char_p),
+        ("moving", c.c_char_p),
+    ]
+
+
+class CrumpleObjDef(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("example_count", c.c_uint32),
+        ("base_path", c.c_char_p),
+        ("example_paths", c.POINTER(c.c_char_p)),
+        ("options", CrumpleExampleSetOptions),
+    ]
+
+
+class CrumplePrimitive(c.Structure):
+    _fields_ = [
+        ("material", c.c_char_p),
+        ("first_vertex", c.c_uint32),
+        ("vertex_count", c.c_uint32),
+        ("first_triangle", c.c_uint32),
+        ("triangle_count", c.c_uint32),
+        ("reserved", c.c_uint32 * 2),
+    ]
+
+
+class CrumpleAttachment(c.Structure):
+    _fields_ = [
+        ("vertices", c.c_uint32 * 3),
+        ("weights", c.c_float * 3),
+        ("point", CrumpleVec3),
+        ("reserved", c.c_uint32 * 3),
+    ]
+
+
+class CrumpleQuat(c.Structure):
+    _fields_ = [
+        ("x", c.c_float),
+        ("y", c.c_float),
+        ("z", c.c_float),
+        ("w", c.c_float),
+    ]
+
+
+class CrumpleFrame(c.Structure):
+    _fields_ = [
+        ("position", CrumpleVec3),
+        ("rotation", CrumpleQuat),
+        ("reserved", c.c_uint32 * 5),
+    ]
+
+
+class CrumpleHandleType(IntEnum):
+    """The type of a handle to shared memory or to a semaphore."""
+
+    OPAQUE_FD = 0
+    OPAQUE_WIN32 = 1
 
 
 CrumpleVulkanFunction = c.CFUNCTYPE(None)
@@ -723,32 +749,6 @@ class CrumpleGraphPlan(c.Structure):
     ]
 
 
-class CrumpleAttachment(c.Structure):
-    _fields_ = [
-        ("vertices", c.c_uint32 * 3),
-        ("weights", c.c_float * 3),
-        ("point", CrumpleVec3),
-        ("reserved", c.c_uint32 * 3),
-    ]
-
-
-class CrumpleQuat(c.Structure):
-    _fields_ = [
-        ("x", c.c_float),
-        ("y", c.c_float),
-        ("z", c.c_float),
-        ("w", c.c_float),
-    ]
-
-
-class CrumpleFrame(c.Structure):
-    _fields_ = [
-        ("position", CrumpleVec3),
-        ("rotation", CrumpleQuat),
-        ("reserved", c.c_uint32 * 5),
-    ]
-
-
 FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "crumple_version": (c.c_uint32, []),
     "crumple_version_string": (c.c_char_p, []),
@@ -760,27 +760,12 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "crumple_context_def_default": (CrumpleContextDef, []),
     "crumple_context_create": (c.c_uint32, [c.POINTER(CrumpleContextDef), c.POINTER(c.c_void_p)]),
     "crumple_context_destroy": (c.c_uint32, [c.c_void_p]),
-    "crumple_example_def_default": (CrumpleExampleDef, []),
-    "crumple_example_set_def_default": (CrumpleExampleSetDef, []),
-    "crumple_example_set_create": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleExampleSetDef), c.POINTER(CrumpleExampleSet)]),
-    "crumple_lod_def_default": (CrumpleLodDef, []),
-    "crumple_example_set_add_lod": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.POINTER(CrumpleLodDef), c.POINTER(c.c_uint32)]),
-    "crumple_example_set_share": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.c_void_p, c.POINTER(CrumpleExampleSet)]),
-    "crumple_example_set_destroy": (c.c_uint32, [c.c_void_p, CrumpleExampleSet]),
-    "crumple_mesh_keep_out": (c.c_uint32, [c.POINTER(CrumpleMeshDef), c.POINTER(CrumpleCapsule), c.c_uint32, c.POINTER(CrumpleMeshDef), c.c_uint32, c.POINTER(c.c_float)]),
-    "crumple_gltf_def_default": (CrumpleGltfDef, []),
-    "crumple_obj_def_default": (CrumpleObjDef, []),
-    "crumple_example_set_load_gltf": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleGltfDef), c.POINTER(CrumpleExampleSet)]),
-    "crumple_example_set_load_gltf_memory": (c.c_uint32, [c.c_void_p, c.c_void_p, c.c_size_t, c.POINTER(CrumpleGltfDef), c.POINTER(CrumpleExampleSet)]),
-    "crumple_example_set_load_obj": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleObjDef), c.POINTER(CrumpleExampleSet)]),
     "crumple_example_set_load_baked_memory": (c.c_uint32, [c.c_void_p, c.c_void_p, c.c_size_t, c.c_uint32, c.POINTER(CrumpleExampleSet)]),
     "crumple_example_set_load_baked": (c.c_uint32, [c.c_void_p, c.c_char_p, c.POINTER(CrumpleExampleSet)]),
-    "crumple_example_set_save_baked": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.c_void_p, c.c_size_t, c.POINTER(c.c_size_t)]),
+    "crumple_example_set_share": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.c_void_p, c.POINTER(CrumpleExampleSet)]),
+    "crumple_example_set_destroy": (c.c_uint32, [c.c_void_p, CrumpleExampleSet]),
     "crumple_mesh_copy_def_default": (CrumpleMeshCopyDef, []),
     "crumple_example_set_get_info": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.POINTER(CrumpleExampleSetInfo)]),
-    "crumple_example_set_get_example": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.c_uint32, c.POINTER(CrumpleExampleInfo)]),
-    "crumple_example_set_get_primitive": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.c_uint32, c.POINTER(CrumplePrimitive)]),
-    "crumple_example_set_find_part": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.c_char_p, c.POINTER(c.c_uint32)]),
     "crumple_example_set_copy_mesh": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.POINTER(CrumpleMeshCopyDef)]),
     "crumple_example_set_find_nearest_vertex": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, CrumpleVec3, c.POINTER(c.c_uint32), c.POINTER(c.c_float)]),
     "crumple_instance_def_default": (CrumpleInstanceDef, []),
@@ -792,10 +777,6 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "crumple_context_set_time": (c.c_uint32, [c.c_void_p, c.c_double]),
     "crumple_instance_set_tolerance": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_float]),
     "crumple_instance_set_view": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_float, c.c_float, c.c_float, c.c_float, c.POINTER(c.c_uint32)]),
-    "crumple_instance_release_part": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint32, c.POINTER(CrumpleInstance)]),
-    "crumple_instance_mount_part": (c.c_uint32, [c.c_void_p, CrumpleInstance, CrumpleInstance, c.c_bool]),
-    "crumple_instance_set_part_rigid": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint32, c.c_bool]),
-    "crumple_instance_measure_part": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint32, c.POINTER(c.c_float), c.POINTER(c.c_float), c.POINTER(c.c_float)]),
     "crumple_pixel_tolerance": (c.c_float, [c.c_float, c.c_float, c.c_float, c.c_float]),
     "crumple_impulse_def_default": (CrumpleImpulseDef, []),
     "crumple_displacement_def_default": (CrumpleDisplacementDef, []),
@@ -820,7 +801,6 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "crumple_instance_load_damage": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_void_p, c.c_size_t]),
     "crumple_context_save_damage": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleInstance), c.c_uint32, c.c_void_p, c.c_size_t, c.POINTER(c.c_size_t)]),
     "crumple_context_load_damage": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleInstance), c.c_uint32, c.c_void_p, c.c_size_t]),
-    "crumple_example_set_map_damage": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, CrumpleExampleSet, c.c_void_p, c.c_size_t, c.c_float, c.c_void_p, c.c_size_t, c.POINTER(c.c_size_t), c.POINTER(CrumpleDamageMapping)]),
     "crumple_instance_repair_damage": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_float]),
     "crumple_instance_repair_around": (c.c_uint32, [c.c_void_p, CrumpleInstance, CrumpleVec3, c.c_float, c.c_float]),
     "crumple_instance_reset_damage": (c.c_uint32, [c.c_void_p, CrumpleInstance]),
@@ -835,6 +815,28 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "crumple_context_get_changed_buffers": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleBuffer), c.c_uint32, c.POINTER(c.c_uint32)]),
     "crumple_buffer_get_changes": (c.c_uint32, [c.c_void_p, CrumpleBuffer, c.POINTER(CrumpleRange), c.c_uint32, c.POINTER(c.c_uint32), c.POINTER(CrumpleAabb)]),
     "crumple_buffer_get_changed_triangles": (c.c_uint32, [c.c_void_p, CrumpleBuffer, c.POINTER(CrumpleRange), c.c_uint32, c.POINTER(c.c_uint32), c.POINTER(CrumpleAabb)]),
+    "crumple_example_def_default": (CrumpleExampleDef, []),
+    "crumple_example_set_def_default": (CrumpleExampleSetDef, []),
+    "crumple_example_set_create": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleExampleSetDef), c.POINTER(CrumpleExampleSet)]),
+    "crumple_lod_def_default": (CrumpleLodDef, []),
+    "crumple_example_set_add_lod": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.POINTER(CrumpleLodDef), c.POINTER(c.c_uint32)]),
+    "crumple_example_set_save_baked": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.c_void_p, c.c_size_t, c.POINTER(c.c_size_t)]),
+    "crumple_mesh_keep_out": (c.c_uint32, [c.POINTER(CrumpleMeshDef), c.POINTER(CrumpleCapsule), c.c_uint32, c.POINTER(CrumpleMeshDef), c.c_uint32, c.POINTER(c.c_float)]),
+    "crumple_example_set_get_example": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.c_uint32, c.POINTER(CrumpleExampleInfo)]),
+    "crumple_example_set_map_damage": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, CrumpleExampleSet, c.c_void_p, c.c_size_t, c.c_float, c.c_void_p, c.c_size_t, c.POINTER(c.c_size_t), c.POINTER(CrumpleDamageMapping)]),
+    "crumple_gltf_def_default": (CrumpleGltfDef, []),
+    "crumple_obj_def_default": (CrumpleObjDef, []),
+    "crumple_example_set_load_gltf": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleGltfDef), c.POINTER(CrumpleExampleSet)]),
+    "crumple_example_set_load_gltf_memory": (c.c_uint32, [c.c_void_p, c.c_void_p, c.c_size_t, c.POINTER(CrumpleGltfDef), c.POINTER(CrumpleExampleSet)]),
+    "crumple_example_set_load_obj": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleObjDef), c.POINTER(CrumpleExampleSet)]),
+    "crumple_example_set_get_primitive": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.c_uint32, c.POINTER(CrumplePrimitive)]),
+    "crumple_example_set_find_part": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.c_char_p, c.POINTER(c.c_uint32)]),
+    "crumple_instance_release_part": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint32, c.POINTER(CrumpleInstance)]),
+    "crumple_instance_mount_part": (c.c_uint32, [c.c_void_p, CrumpleInstance, CrumpleInstance, c.c_bool]),
+    "crumple_instance_set_part_rigid": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint32, c.c_bool]),
+    "crumple_instance_measure_part": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint32, c.POINTER(c.c_float), c.POINTER(c.c_float), c.POINTER(c.c_float)]),
+    "crumple_example_set_attach_point": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, CrumpleVec3, c.POINTER(CrumpleAttachment)]),
+    "crumple_instance_get_attached_frame": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleAttachment), c.POINTER(CrumpleFrame)]),
     "crumple_vulkan_attach_def_default": (CrumpleVulkanAttachDef, []),
     "crumple_vulkan_buffer_def_default": (CrumpleVulkanBufferDef, []),
     "crumple_vulkan_attach": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleVulkanAttachDef)]),
@@ -855,8 +857,6 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "crumple_graph_get_kernel": (c.c_uint32, [c.c_uint32, c.c_void_p, c.c_size_t, c.POINTER(c.c_size_t)]),
     "crumple_buffer_register_graph": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleVulkanBufferDef), c.POINTER(CrumpleBuffer)]),
     "crumple_graph_plan": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleBuffer), c.c_uint32, c.POINTER(CrumpleGraphPlan), c.POINTER(CrumpleRecordReport)]),
-    "crumple_example_set_attach_point": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, CrumpleVec3, c.POINTER(CrumpleAttachment)]),
-    "crumple_instance_get_attached_frame": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleAttachment), c.POINTER(CrumpleFrame)]),
 }
 
 

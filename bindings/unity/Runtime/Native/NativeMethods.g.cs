@@ -1,4 +1,4 @@
-// Generated from include/crumple.h by `cargo xtask header`; do not edit it. That header documents what is declared here.
+// Generated from the headers in include by `cargo xtask header`; do not edit it. They document what is declared here.
 #pragma warning disable 1591
 
 using System;
@@ -7,7 +7,7 @@ using System.Runtime.InteropServices;
 namespace Crumple.Native
 {
     /// <summary>
-    /// The functions of crumple.h. Call <see cref="CrumpleRuntime.EnsureLoaded"/> first: it says what is wrong with a library that is
+    /// The functions of the C headers. Call <see cref="CrumpleRuntime.EnsureLoaded"/> first: it says what is wrong with a library that is
     /// missing or does not fit.
     /// </summary>
     public static unsafe class NativeMethods
@@ -54,73 +54,6 @@ namespace Crumple.Native
         public static extern CrumpleResult crumple_context_destroy(IntPtr context);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleExampleDef crumple_example_def_default();
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleExampleSetDef crumple_example_set_def_default();
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_example_set_create(
-            IntPtr context,
-            CrumpleExampleSetDef* def,
-            CrumpleExampleSet* outSet);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleLodDef crumple_lod_def_default();
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_example_set_add_lod(
-            IntPtr context,
-            CrumpleExampleSet set,
-            CrumpleLodDef* def,
-            uint* outLod);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_example_set_share(
-            IntPtr context,
-            CrumpleExampleSet set,
-            IntPtr other,
-            CrumpleExampleSet* outSet);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_example_set_destroy(IntPtr context, CrumpleExampleSet set);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_mesh_keep_out(
-            CrumpleMeshDef* mesh,
-            CrumpleCapsule* capsules,
-            uint capsuleCount,
-            CrumpleMeshDef* meshes,
-            uint meshCount,
-            float* outLimits);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleGltfDef crumple_gltf_def_default();
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleObjDef crumple_obj_def_default();
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_example_set_load_gltf(
-            IntPtr context,
-            CrumpleGltfDef* def,
-            CrumpleExampleSet* outSet);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_example_set_load_gltf_memory(
-            IntPtr context,
-            IntPtr data,
-            UIntPtr size,
-            CrumpleGltfDef* def,
-            CrumpleExampleSet* outSet);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_example_set_load_obj(
-            IntPtr context,
-            CrumpleObjDef* def,
-            CrumpleExampleSet* outSet);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_example_set_load_baked_memory(
             IntPtr context,
             IntPtr data,
@@ -135,12 +68,14 @@ namespace Crumple.Native
             CrumpleExampleSet* outSet);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_example_set_save_baked(
+        public static extern CrumpleResult crumple_example_set_share(
             IntPtr context,
             CrumpleExampleSet set,
-            IntPtr data,
-            UIntPtr capacity,
-            UIntPtr* outSize);
+            IntPtr other,
+            CrumpleExampleSet* outSet);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_example_set_destroy(IntPtr context, CrumpleExampleSet set);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleMeshCopyDef crumple_mesh_copy_def_default();
@@ -150,27 +85,6 @@ namespace Crumple.Native
             IntPtr context,
             CrumpleExampleSet set,
             CrumpleExampleSetInfo* outInfo);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_example_set_get_example(
-            IntPtr context,
-            CrumpleExampleSet set,
-            uint example,
-            CrumpleExampleInfo* outInfo);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_example_set_get_primitive(
-            IntPtr context,
-            CrumpleExampleSet set,
-            uint primitive,
-            CrumplePrimitive* outPrimitive);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_example_set_find_part(
-            IntPtr context,
-            CrumpleExampleSet set,
-            IntPtr name,
-            uint* outLod);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_example_set_copy_mesh(
@@ -234,36 +148,6 @@ namespace Crumple.Native
             float fovY,
             float viewportHeight,
             uint* outLod);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_instance_release_part(
-            IntPtr context,
-            CrumpleInstance instance,
-            uint part,
-            CrumpleInstance* outPart);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_instance_mount_part(
-            IntPtr context,
-            CrumpleInstance instance,
-            CrumpleInstance part,
-            CrumpleBool mounted);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_instance_set_part_rigid(
-            IntPtr context,
-            CrumpleInstance instance,
-            uint part,
-            CrumpleBool rigid);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_instance_measure_part(
-            IntPtr context,
-            CrumpleInstance instance,
-            uint lod,
-            float* outDeepest,
-            float* outMean,
-            float* outEnergy);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern float crumple_pixel_tolerance(float pixels, float distance, float fovY, float viewportHeight);
@@ -408,19 +292,6 @@ namespace Crumple.Native
             UIntPtr size);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_example_set_map_damage(
-            IntPtr context,
-            CrumpleExampleSet set,
-            CrumpleExampleSet oldSet,
-            IntPtr data,
-            UIntPtr size,
-            float maxDistance,
-            IntPtr mapped,
-            UIntPtr capacity,
-            UIntPtr* outSize,
-            CrumpleDamageMapping* outMapping);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_instance_repair_damage(
             IntPtr context,
             CrumpleInstance instance,
@@ -499,6 +370,149 @@ namespace Crumple.Native
             uint capacity,
             uint* outCount,
             CrumpleAabb* outBounds);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleExampleDef crumple_example_def_default();
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleExampleSetDef crumple_example_set_def_default();
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_example_set_create(
+            IntPtr context,
+            CrumpleExampleSetDef* def,
+            CrumpleExampleSet* outSet);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleLodDef crumple_lod_def_default();
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_example_set_add_lod(
+            IntPtr context,
+            CrumpleExampleSet set,
+            CrumpleLodDef* def,
+            uint* outLod);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_example_set_save_baked(
+            IntPtr context,
+            CrumpleExampleSet set,
+            IntPtr data,
+            UIntPtr capacity,
+            UIntPtr* outSize);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_mesh_keep_out(
+            CrumpleMeshDef* mesh,
+            CrumpleCapsule* capsules,
+            uint capsuleCount,
+            CrumpleMeshDef* meshes,
+            uint meshCount,
+            float* outLimits);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_example_set_get_example(
+            IntPtr context,
+            CrumpleExampleSet set,
+            uint example,
+            CrumpleExampleInfo* outInfo);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_example_set_map_damage(
+            IntPtr context,
+            CrumpleExampleSet set,
+            CrumpleExampleSet oldSet,
+            IntPtr data,
+            UIntPtr size,
+            float maxDistance,
+            IntPtr mapped,
+            UIntPtr capacity,
+            UIntPtr* outSize,
+            CrumpleDamageMapping* outMapping);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleGltfDef crumple_gltf_def_default();
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleObjDef crumple_obj_def_default();
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_example_set_load_gltf(
+            IntPtr context,
+            CrumpleGltfDef* def,
+            CrumpleExampleSet* outSet);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_example_set_load_gltf_memory(
+            IntPtr context,
+            IntPtr data,
+            UIntPtr size,
+            CrumpleGltfDef* def,
+            CrumpleExampleSet* outSet);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_example_set_load_obj(
+            IntPtr context,
+            CrumpleObjDef* def,
+            CrumpleExampleSet* outSet);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_example_set_get_primitive(
+            IntPtr context,
+            CrumpleExampleSet set,
+            uint primitive,
+            CrumplePrimitive* outPrimitive);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_example_set_find_part(
+            IntPtr context,
+            CrumpleExampleSet set,
+            IntPtr name,
+            uint* outLod);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_instance_release_part(
+            IntPtr context,
+            CrumpleInstance instance,
+            uint part,
+            CrumpleInstance* outPart);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_instance_mount_part(
+            IntPtr context,
+            CrumpleInstance instance,
+            CrumpleInstance part,
+            CrumpleBool mounted);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_instance_set_part_rigid(
+            IntPtr context,
+            CrumpleInstance instance,
+            uint part,
+            CrumpleBool rigid);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_instance_measure_part(
+            IntPtr context,
+            CrumpleInstance instance,
+            uint lod,
+            float* outDeepest,
+            float* outMean,
+            float* outEnergy);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_example_set_attach_point(
+            IntPtr context,
+            CrumpleExampleSet set,
+            CrumpleVec3 point,
+            CrumpleAttachment* outAttachment);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_instance_get_attached_frame(
+            IntPtr context,
+            CrumpleInstance instance,
+            CrumpleAttachment* attachment,
+            CrumpleFrame* outFrame);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleVulkanAttachDef crumple_vulkan_attach_def_default();
@@ -606,19 +620,5 @@ namespace Crumple.Native
             uint count,
             CrumpleGraphPlan* outPlan,
             CrumpleRecordReport* outReport);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_example_set_attach_point(
-            IntPtr context,
-            CrumpleExampleSet set,
-            CrumpleVec3 point,
-            CrumpleAttachment* outAttachment);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_instance_get_attached_frame(
-            IntPtr context,
-            CrumpleInstance instance,
-            CrumpleAttachment* attachment,
-            CrumpleFrame* outFrame);
     }
 }

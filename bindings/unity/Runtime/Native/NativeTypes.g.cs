@@ -1,4 +1,4 @@
-// Generated from include/crumple.h by `cargo xtask header`; do not edit it. That header documents what is declared here.
+// Generated from the headers in include by `cargo xtask header`; do not edit it. They document what is declared here.
 #pragma warning disable 1591
 
 using System;
@@ -48,32 +48,6 @@ namespace Crumple
         Warning = 1,
     }
 
-    public enum CrumpleContactKind
-    {
-        None = 0,
-        Vertex = 1,
-        Point = 2,
-    }
-
-    public enum CrumplePlacement
-    {
-        Automatic = 0,
-        Anchored = 1,
-        Carried = 2,
-    }
-
-    public enum CrumpleIndexType
-    {
-        U32 = 0,
-        U16 = 1,
-    }
-
-    public enum CrumpleSeams
-    {
-        Weld = 0,
-        Keep = 1,
-    }
-
     public enum CrumpleBytes
     {
         Copy = 0,
@@ -121,19 +95,13 @@ namespace Crumple
         Octahedral = 1,
     }
 
-    public enum CrumpleHandleType
-    {
-        OpaqueFd = 0,
-        OpaqueWin32 = 1,
-    }
-
     [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
     public delegate IntPtr CrumpleAlloc(UIntPtr size, UIntPtr align, IntPtr user);
 
     [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
     public delegate void CrumpleFree(IntPtr pointer, UIntPtr size, UIntPtr align, IntPtr user);
 
-    /// <summary>The struct of crumple.h.</summary>
+    /// <summary>The struct of the C headers.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleAllocatorDef
     {
@@ -161,7 +129,7 @@ namespace Crumple
     [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
     public delegate void CrumpleParallelFor(uint count, IntPtr task, IntPtr taskData, IntPtr user);
 
-    /// <summary>The struct of crumple.h.</summary>
+    /// <summary>The struct of the C headers.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleTaskSystem
     {
@@ -170,7 +138,7 @@ namespace Crumple
         public uint Workers;
     }
 
-    /// <summary>The struct of crumple.h.</summary>
+    /// <summary>The struct of the C headers.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleContextDef
     {
@@ -190,16 +158,47 @@ namespace Crumple
         }
     }
 
-    /// <summary>The struct of crumple.h.</summary>
+    /// <summary>The struct of the C headers.</summary>
     [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleInput
+    public partial struct CrumpleExampleSet
+    {
+        public uint Index;
+        public ushort Generation;
+        public ushort Context;
+    }
+
+    /// <summary>The struct of the C headers.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumpleStream
     {
         public IntPtr Data;
         public UIntPtr Size;
+        public UIntPtr Offset;
         public UIntPtr Stride;
     }
 
-    /// <summary>The struct of crumple.h.</summary>
+    /// <summary>The struct of the C headers.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumpleMeshCopyDef
+    {
+        public uint StructSize;
+        public uint Lod;
+        public CrumpleStream Positions;
+        public CrumpleStream Normals;
+        public CrumpleStream Tangents;
+        public CrumpleStream Indices;
+
+        public static CrumpleMeshCopyDef Default
+        {
+            get
+            {
+                CrumpleRuntime.EnsureLoaded();
+                return Native.NativeMethods.crumple_mesh_copy_def_default();
+            }
+        }
+    }
+
+    /// <summary>The struct of the C headers.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleVec3
     {
@@ -208,7 +207,91 @@ namespace Crumple
         public float Z;
     }
 
-    /// <summary>The struct of crumple.h.</summary>
+    /// <summary>The struct of the C headers.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumpleAabb
+    {
+        public CrumpleVec3 Min;
+        public CrumpleVec3 Max;
+    }
+
+    /// <summary>The struct of the C headers.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public unsafe partial struct CrumpleExampleSetInfo
+    {
+        public IntPtr Name;
+        public ulong Fingerprint;
+        public ulong MemoryBytes;
+        public uint VertexCount;
+        public uint TriangleCount;
+        public uint ExampleCount;
+        public uint PrimitiveCount;
+        public uint SeamCount;
+        public float DepthLimit;
+        public CrumpleAabb Bounds;
+        public fixed float NodeTransform[16];
+        public CrumpleBool HasTangents;
+        public uint LodCount;
+        public uint BlowCount;
+        public float FieldError;
+        public float DepthError;
+        public fixed ulong Reserved[2];
+    }
+
+    /// <summary>The struct of the C headers.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public unsafe partial struct CrumpleInstanceDef
+    {
+        public uint StructSize;
+        public uint ExamplesPerHit;
+        public CrumpleExampleSet Set;
+        public CrumpleRule Rule;
+        public CrumpleSelection Selection;
+        public uint MarkCapacity;
+        public float DepthLimit;
+        public float YieldImpulse;
+        public float YieldDisplacement;
+        public float MaxContactDistance;
+        public float BlendConstant;
+        public float Tolerance;
+        public float Compliance;
+        public float GrowTime;
+        public fixed float LocalToWorld[16];
+
+        public static CrumpleInstanceDef Default
+        {
+            get
+            {
+                CrumpleRuntime.EnsureLoaded();
+                return Native.NativeMethods.crumple_instance_def_default();
+            }
+        }
+    }
+
+    /// <summary>The struct of the C headers.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumpleInstance
+    {
+        public uint Index;
+        public ushort Generation;
+        public ushort Context;
+    }
+
+    /// <summary>The struct of the C headers.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public unsafe partial struct CrumpleInstanceInfo
+    {
+        public CrumpleExampleSet Set;
+        public ulong MemoryBytes;
+        public uint MarkCount;
+        public uint BufferCount;
+        public float DepthLimit;
+        public uint ContactCount;
+        public ulong Revision;
+        public fixed uint Reserved[2];
+    }
+
+    /// <summary>The struct of the C headers.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleStriker
     {
@@ -217,7 +300,262 @@ namespace Crumple
         public CrumpleVec3 Velocity;
     }
 
-    /// <summary>The struct of crumple.h.</summary>
+    /// <summary>The struct of the C headers.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumpleImpulseDef
+    {
+        public uint StructSize;
+        public CrumpleSpace Space;
+        public CrumpleVec3 Point;
+        public CrumpleVec3 Impulse;
+        public float Duration;
+        public float Mass;
+        public CrumpleVec3 Normal;
+        public CrumpleStriker Striker;
+        public ulong ContactId;
+
+        public static CrumpleImpulseDef Default
+        {
+            get
+            {
+                CrumpleRuntime.EnsureLoaded();
+                return Native.NativeMethods.crumple_impulse_def_default();
+            }
+        }
+    }
+
+    /// <summary>The struct of the C headers.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumpleDisplacementDef
+    {
+        public uint StructSize;
+        public CrumpleSpace Space;
+        public CrumpleVec3 Point;
+        public CrumpleVec3 Displacement;
+        public ulong ContactId;
+
+        public static CrumpleDisplacementDef Default
+        {
+            get
+            {
+                CrumpleRuntime.EnsureLoaded();
+                return Native.NativeMethods.crumple_displacement_def_default();
+            }
+        }
+    }
+
+    /// <summary>The struct of the C headers.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumpleChosen
+    {
+        public uint Example;
+        public float Share;
+        public float Scale;
+        public CrumpleBool Anchored;
+        public byte Mirror;
+        public ushort Reserved;
+    }
+
+    /// <summary>The struct of the C headers.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumplePair
+    {
+        public ushort Example;
+        public ushort Share;
+    }
+
+    /// <summary>The struct of the C headers.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumpleMark
+    {
+        public uint Contact;
+        public float Depth;
+        public ulong Energy;
+        public CrumplePair Pairs0;
+        public CrumplePair Pairs1;
+        public CrumplePair Pairs2;
+        public CrumplePair Pairs3;
+    }
+
+    /// <summary>The struct of the C headers.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public unsafe partial struct CrumpleHitResult
+    {
+        public CrumpleHitStatus Status;
+        public uint ContactVertex;
+        public float ContactDistance;
+        public CrumpleVec3 Target;
+        public CrumpleVec3 Achieved;
+        public uint ChosenCount;
+        public CrumpleBool Clamped;
+        public CrumpleChosen Chosen0;
+        public CrumpleChosen Chosen1;
+        public CrumpleChosen Chosen2;
+        public CrumpleChosen Chosen3;
+        public CrumpleMark Mark;
+        public fixed ulong Reserved[4];
+    }
+
+    /// <summary>The struct of the C headers.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumpleContactOptionsDef
+    {
+        public uint StructSize;
+        public CrumpleImpulses Impulses;
+        public float Gain;
+        public float MinSpeed;
+        public float MinEnergy;
+        public float DentRadius;
+        public float TouchTime;
+        public float SeparationTime;
+        public uint MaxPoints;
+        public uint MaxTouches;
+
+        public static CrumpleContactOptionsDef Default
+        {
+            get
+            {
+                CrumpleRuntime.EnsureLoaded();
+                return Native.NativeMethods.crumple_contact_options_def_default();
+            }
+        }
+    }
+
+    /// <summary>The struct of the C headers.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public unsafe partial struct CrumpleContactPointDef
+    {
+        public uint StructSize;
+        public CrumpleBool HasVelocity;
+        public CrumpleBool HasVelocityAfter;
+        public ulong Pair;
+        public CrumpleInstance Bodies0;
+        public CrumpleInstance Bodies1;
+        public CrumpleVec3 Point;
+        public CrumpleVec3 Normal;
+        public CrumpleVec3 Velocity;
+        public CrumpleVec3 VelocityAfter;
+        public float Impulse;
+        public fixed float Masses[2];
+        public float InverseMass;
+        public fixed float Radii[2];
+        public float Gain;
+
+        public static CrumpleContactPointDef Default
+        {
+            get
+            {
+                CrumpleRuntime.EnsureLoaded();
+                return Native.NativeMethods.crumple_contact_point_def_default();
+            }
+        }
+    }
+
+    /// <summary>The struct of the C headers.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public unsafe partial struct CrumpleContactReport
+    {
+        public ulong Points;
+        public ulong Hits;
+        public ulong Begun;
+        public ulong Ended;
+        public ulong Open;
+        public ulong Slow;
+        public ulong Separating;
+        public ulong Weak;
+        public ulong Crowded;
+        public ulong Refused;
+        public CrumpleResult Refusal;
+        public fixed uint Reserved[3];
+    }
+
+    /// <summary>The struct of the C headers.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumpleHostBufferDef
+    {
+        public uint StructSize;
+        public uint Lod;
+        public CrumpleStream Positions;
+        public CrumpleStream Normals;
+        public CrumpleStream Tangents;
+        public CrumpleDirectionFormat NormalFormat;
+        public CrumpleDirectionFormat TangentFormat;
+
+        public static CrumpleHostBufferDef Default
+        {
+            get
+            {
+                CrumpleRuntime.EnsureLoaded();
+                return Native.NativeMethods.crumple_host_buffer_def_default();
+            }
+        }
+    }
+
+    /// <summary>The struct of the C headers.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumpleBuffer
+    {
+        public uint Index;
+        public ushort Generation;
+        public ushort Context;
+    }
+
+    /// <summary>The struct of the C headers.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public unsafe partial struct CrumpleDeformReport
+    {
+        public ulong VerticesWritten;
+        public ulong BlocksWritten;
+        public ulong BlocksSkipped;
+        public ulong PartsSkipped;
+        public ulong VerticesWaiting;
+        public fixed ulong Reserved[3];
+    }
+
+    /// <summary>The struct of the C headers.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumpleRange
+    {
+        public uint First;
+        public uint Count;
+    }
+
+    public enum CrumpleContactKind
+    {
+        None = 0,
+        Vertex = 1,
+        Point = 2,
+    }
+
+    public enum CrumplePlacement
+    {
+        Automatic = 0,
+        Anchored = 1,
+        Carried = 2,
+    }
+
+    public enum CrumpleIndexType
+    {
+        U32 = 0,
+        U16 = 1,
+    }
+
+    public enum CrumpleSeams
+    {
+        Weld = 0,
+        Keep = 1,
+    }
+
+    /// <summary>The struct of the C headers.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumpleInput
+    {
+        public IntPtr Data;
+        public UIntPtr Size;
+        public UIntPtr Stride;
+    }
+
+    /// <summary>The struct of the C headers.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleExampleDef
     {
@@ -249,7 +587,7 @@ namespace Crumple
         }
     }
 
-    /// <summary>The struct of crumple.h.</summary>
+    /// <summary>The struct of the C headers.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleMeshDef
     {
@@ -264,7 +602,7 @@ namespace Crumple
         public CrumpleInput Stiffness;
     }
 
-    /// <summary>The struct of crumple.h.</summary>
+    /// <summary>The struct of the C headers.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleExampleSetOptions
     {
@@ -280,7 +618,7 @@ namespace Crumple
         public CrumpleBool HeldRims;
     }
 
-    /// <summary>The struct of crumple.h.</summary>
+    /// <summary>The struct of the C headers.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleExampleSetDef
     {
@@ -300,16 +638,7 @@ namespace Crumple
         }
     }
 
-    /// <summary>The struct of crumple.h.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleExampleSet
-    {
-        public uint Index;
-        public ushort Generation;
-        public ushort Context;
-    }
-
-    /// <summary>The struct of crumple.h.</summary>
+    /// <summary>The struct of the C headers.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleLodDef
     {
@@ -326,7 +655,7 @@ namespace Crumple
         }
     }
 
-    /// <summary>The struct of crumple.h.</summary>
+    /// <summary>The struct of the C headers.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleCapsule
     {
@@ -335,7 +664,38 @@ namespace Crumple
         public float Radius;
     }
 
-    /// <summary>The struct of crumple.h.</summary>
+    /// <summary>The struct of the C headers.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumpleExampleInfo
+    {
+        public IntPtr Name;
+        public uint ContactVertex;
+        public uint MovedVertices;
+        public CrumpleVec3 ContactPoint;
+        public CrumpleVec3 ContactNormal;
+        public float Depth;
+        public float MaxDepth;
+        public float SupportRadius;
+        public CrumplePlacement Placement;
+        public float FieldError;
+        public float DepthError;
+        public ulong Reserved;
+    }
+
+    /// <summary>The struct of the C headers.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumpleDamageMapping
+    {
+        public uint Kept;
+        public uint Moved;
+        public uint TooFar;
+        public uint WithoutExample;
+        public float Distance;
+        public uint MissingExamples;
+        public uint FirstMissingExample;
+    }
+
+    /// <summary>The struct of the C headers.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleGltfDef
     {
@@ -362,7 +722,7 @@ namespace Crumple
         }
     }
 
-    /// <summary>The struct of crumple.h.</summary>
+    /// <summary>The struct of the C headers.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleObjDef
     {
@@ -382,87 +742,7 @@ namespace Crumple
         }
     }
 
-    /// <summary>The struct of crumple.h.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleStream
-    {
-        public IntPtr Data;
-        public UIntPtr Size;
-        public UIntPtr Offset;
-        public UIntPtr Stride;
-    }
-
-    /// <summary>The struct of crumple.h.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleMeshCopyDef
-    {
-        public uint StructSize;
-        public uint Lod;
-        public CrumpleStream Positions;
-        public CrumpleStream Normals;
-        public CrumpleStream Tangents;
-        public CrumpleStream Indices;
-
-        public static CrumpleMeshCopyDef Default
-        {
-            get
-            {
-                CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_mesh_copy_def_default();
-            }
-        }
-    }
-
-    /// <summary>The struct of crumple.h.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleAabb
-    {
-        public CrumpleVec3 Min;
-        public CrumpleVec3 Max;
-    }
-
-    /// <summary>The struct of crumple.h.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public unsafe partial struct CrumpleExampleSetInfo
-    {
-        public IntPtr Name;
-        public ulong Fingerprint;
-        public ulong MemoryBytes;
-        public uint VertexCount;
-        public uint TriangleCount;
-        public uint ExampleCount;
-        public uint PrimitiveCount;
-        public uint SeamCount;
-        public float DepthLimit;
-        public CrumpleAabb Bounds;
-        public fixed float NodeTransform[16];
-        public CrumpleBool HasTangents;
-        public uint LodCount;
-        public uint BlowCount;
-        public float FieldError;
-        public float DepthError;
-        public fixed ulong Reserved[2];
-    }
-
-    /// <summary>The struct of crumple.h.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleExampleInfo
-    {
-        public IntPtr Name;
-        public uint ContactVertex;
-        public uint MovedVertices;
-        public CrumpleVec3 ContactPoint;
-        public CrumpleVec3 ContactNormal;
-        public float Depth;
-        public float MaxDepth;
-        public float SupportRadius;
-        public CrumplePlacement Placement;
-        public float FieldError;
-        public float DepthError;
-        public ulong Reserved;
-    }
-
-    /// <summary>The struct of crumple.h.</summary>
+    /// <summary>The struct of the C headers.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumplePrimitive
     {
@@ -474,296 +754,45 @@ namespace Crumple
         public fixed uint Reserved[2];
     }
 
-    /// <summary>The struct of crumple.h.</summary>
+    /// <summary>The struct of the C headers.</summary>
     [StructLayout(LayoutKind.Sequential)]
-    public unsafe partial struct CrumpleInstanceDef
+    public unsafe partial struct CrumpleAttachment
     {
-        public uint StructSize;
-        public uint ExamplesPerHit;
-        public CrumpleExampleSet Set;
-        public CrumpleRule Rule;
-        public CrumpleSelection Selection;
-        public uint MarkCapacity;
-        public float DepthLimit;
-        public float YieldImpulse;
-        public float YieldDisplacement;
-        public float MaxContactDistance;
-        public float BlendConstant;
-        public float Tolerance;
-        public float Compliance;
-        public float GrowTime;
-        public fixed float LocalToWorld[16];
-
-        public static CrumpleInstanceDef Default
-        {
-            get
-            {
-                CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_instance_def_default();
-            }
-        }
-    }
-
-    /// <summary>The struct of crumple.h.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleInstance
-    {
-        public uint Index;
-        public ushort Generation;
-        public ushort Context;
-    }
-
-    /// <summary>The struct of crumple.h.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public unsafe partial struct CrumpleInstanceInfo
-    {
-        public CrumpleExampleSet Set;
-        public ulong MemoryBytes;
-        public uint MarkCount;
-        public uint BufferCount;
-        public float DepthLimit;
-        public uint ContactCount;
-        public ulong Revision;
-        public fixed uint Reserved[2];
-    }
-
-    /// <summary>The struct of crumple.h.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleImpulseDef
-    {
-        public uint StructSize;
-        public CrumpleSpace Space;
+        public fixed uint Vertices[3];
+        public fixed float Weights[3];
         public CrumpleVec3 Point;
-        public CrumpleVec3 Impulse;
-        public float Duration;
-        public float Mass;
-        public CrumpleVec3 Normal;
-        public CrumpleStriker Striker;
-        public ulong ContactId;
-
-        public static CrumpleImpulseDef Default
-        {
-            get
-            {
-                CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_impulse_def_default();
-            }
-        }
-    }
-
-    /// <summary>The struct of crumple.h.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleDisplacementDef
-    {
-        public uint StructSize;
-        public CrumpleSpace Space;
-        public CrumpleVec3 Point;
-        public CrumpleVec3 Displacement;
-        public ulong ContactId;
-
-        public static CrumpleDisplacementDef Default
-        {
-            get
-            {
-                CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_displacement_def_default();
-            }
-        }
-    }
-
-    /// <summary>The struct of crumple.h.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleChosen
-    {
-        public uint Example;
-        public float Share;
-        public float Scale;
-        public CrumpleBool Anchored;
-        public byte Mirror;
-        public ushort Reserved;
-    }
-
-    /// <summary>The struct of crumple.h.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumplePair
-    {
-        public ushort Example;
-        public ushort Share;
-    }
-
-    /// <summary>The struct of crumple.h.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleMark
-    {
-        public uint Contact;
-        public float Depth;
-        public ulong Energy;
-        public CrumplePair Pairs0;
-        public CrumplePair Pairs1;
-        public CrumplePair Pairs2;
-        public CrumplePair Pairs3;
-    }
-
-    /// <summary>The struct of crumple.h.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public unsafe partial struct CrumpleHitResult
-    {
-        public CrumpleHitStatus Status;
-        public uint ContactVertex;
-        public float ContactDistance;
-        public CrumpleVec3 Target;
-        public CrumpleVec3 Achieved;
-        public uint ChosenCount;
-        public CrumpleBool Clamped;
-        public CrumpleChosen Chosen0;
-        public CrumpleChosen Chosen1;
-        public CrumpleChosen Chosen2;
-        public CrumpleChosen Chosen3;
-        public CrumpleMark Mark;
-        public fixed ulong Reserved[4];
-    }
-
-    /// <summary>The struct of crumple.h.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleContactOptionsDef
-    {
-        public uint StructSize;
-        public CrumpleImpulses Impulses;
-        public float Gain;
-        public float MinSpeed;
-        public float MinEnergy;
-        public float DentRadius;
-        public float TouchTime;
-        public float SeparationTime;
-        public uint MaxPoints;
-        public uint MaxTouches;
-
-        public static CrumpleContactOptionsDef Default
-        {
-            get
-            {
-                CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_contact_options_def_default();
-            }
-        }
-    }
-
-    /// <summary>The struct of crumple.h.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public unsafe partial struct CrumpleContactPointDef
-    {
-        public uint StructSize;
-        public CrumpleBool HasVelocity;
-        public CrumpleBool HasVelocityAfter;
-        public ulong Pair;
-        public CrumpleInstance Bodies0;
-        public CrumpleInstance Bodies1;
-        public CrumpleVec3 Point;
-        public CrumpleVec3 Normal;
-        public CrumpleVec3 Velocity;
-        public CrumpleVec3 VelocityAfter;
-        public float Impulse;
-        public fixed float Masses[2];
-        public float InverseMass;
-        public fixed float Radii[2];
-        public float Gain;
-
-        public static CrumpleContactPointDef Default
-        {
-            get
-            {
-                CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_contact_point_def_default();
-            }
-        }
-    }
-
-    /// <summary>The struct of crumple.h.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public unsafe partial struct CrumpleContactReport
-    {
-        public ulong Points;
-        public ulong Hits;
-        public ulong Begun;
-        public ulong Ended;
-        public ulong Open;
-        public ulong Slow;
-        public ulong Separating;
-        public ulong Weak;
-        public ulong Crowded;
-        public ulong Refused;
-        public CrumpleResult Refusal;
         public fixed uint Reserved[3];
     }
 
-    /// <summary>The struct of crumple.h.</summary>
+    /// <summary>The struct of the C headers.</summary>
     [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleDamageMapping
+    public partial struct CrumpleQuat
     {
-        public uint Kept;
-        public uint Moved;
-        public uint TooFar;
-        public uint WithoutExample;
-        public float Distance;
-        public uint MissingExamples;
-        public uint FirstMissingExample;
+        public float X;
+        public float Y;
+        public float Z;
+        public float W;
     }
 
-    /// <summary>The struct of crumple.h.</summary>
+    /// <summary>The struct of the C headers.</summary>
     [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleHostBufferDef
+    public unsafe partial struct CrumpleFrame
     {
-        public uint StructSize;
-        public uint Lod;
-        public CrumpleStream Positions;
-        public CrumpleStream Normals;
-        public CrumpleStream Tangents;
-        public CrumpleDirectionFormat NormalFormat;
-        public CrumpleDirectionFormat TangentFormat;
-
-        public static CrumpleHostBufferDef Default
-        {
-            get
-            {
-                CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_host_buffer_def_default();
-            }
-        }
+        public CrumpleVec3 Position;
+        public CrumpleQuat Rotation;
+        public fixed uint Reserved[5];
     }
 
-    /// <summary>The struct of crumple.h.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleBuffer
+    public enum CrumpleHandleType
     {
-        public uint Index;
-        public ushort Generation;
-        public ushort Context;
-    }
-
-    /// <summary>The struct of crumple.h.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public unsafe partial struct CrumpleDeformReport
-    {
-        public ulong VerticesWritten;
-        public ulong BlocksWritten;
-        public ulong BlocksSkipped;
-        public ulong PartsSkipped;
-        public ulong VerticesWaiting;
-        public fixed ulong Reserved[3];
-    }
-
-    /// <summary>The struct of crumple.h.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleRange
-    {
-        public uint First;
-        public uint Count;
+        OpaqueFd = 0,
+        OpaqueWin32 = 1,
     }
 
     [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
     public delegate void CrumpleVulkanFunction();
 
-    /// <summary>The struct of crumple.h.</summary>
+    /// <summary>The struct of the C headers.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleVulkanAttachDef
     {
@@ -787,7 +816,7 @@ namespace Crumple
         }
     }
 
-    /// <summary>The struct of crumple.h.</summary>
+    /// <summary>The struct of the C headers.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleVulkanStream
     {
@@ -797,7 +826,7 @@ namespace Crumple
         public uint Reserved;
     }
 
-    /// <summary>The struct of crumple.h.</summary>
+    /// <summary>The struct of the C headers.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleVulkanBufferDef
     {
@@ -829,7 +858,7 @@ namespace Crumple
         }
     }
 
-    /// <summary>The struct of crumple.h.</summary>
+    /// <summary>The struct of the C headers.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumpleRecordReport
     {
@@ -844,7 +873,7 @@ namespace Crumple
         public fixed ulong Reserved[3];
     }
 
-    /// <summary>The struct of crumple.h.</summary>
+    /// <summary>The struct of the C headers.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumpleVulkanOpenDef
     {
@@ -865,7 +894,7 @@ namespace Crumple
         }
     }
 
-    /// <summary>The struct of crumple.h.</summary>
+    /// <summary>The struct of the C headers.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleVulkanImportDef
     {
@@ -889,7 +918,7 @@ namespace Crumple
         }
     }
 
-    /// <summary>The struct of crumple.h.</summary>
+    /// <summary>The struct of the C headers.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleGraphUpload
     {
@@ -901,7 +930,7 @@ namespace Crumple
         public UIntPtr Size;
     }
 
-    /// <summary>The struct of crumple.h.</summary>
+    /// <summary>The struct of the C headers.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumpleGraphDispatch
     {
@@ -912,7 +941,7 @@ namespace Crumple
         public fixed uint Constants[8];
     }
 
-    /// <summary>The struct of crumple.h.</summary>
+    /// <summary>The struct of the C headers.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleGraphPlan
     {
@@ -925,34 +954,5 @@ namespace Crumple
         public uint UploadCount;
         public uint DispatchCount;
         public uint Reserved;
-    }
-
-    /// <summary>The struct of crumple.h.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public unsafe partial struct CrumpleAttachment
-    {
-        public fixed uint Vertices[3];
-        public fixed float Weights[3];
-        public CrumpleVec3 Point;
-        public fixed uint Reserved[3];
-    }
-
-    /// <summary>The struct of crumple.h.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleQuat
-    {
-        public float X;
-        public float Y;
-        public float Z;
-        public float W;
-    }
-
-    /// <summary>The struct of crumple.h.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public unsafe partial struct CrumpleFrame
-    {
-        public CrumpleVec3 Position;
-        public CrumpleQuat Rotation;
-        public fixed uint Reserved[5];
     }
 }

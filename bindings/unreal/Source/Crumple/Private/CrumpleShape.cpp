@@ -4,6 +4,9 @@
 #include "CrumpleContext.h"
 #include "CrumpleLog.h"
 
+#include "crumple_import.h"
+#include "crumple_parts.h"
+
 #include "Misc/ScopeLock.h"
 
 namespace

@@ -16,7 +16,7 @@
 #include "RHICommandList.h"
 #include "RHIResources.h"
 
-#include "crumple.h"
+#include "crumple_vulkan.h"
 
 class FCrumpleBody;
 class FCrumpleContext;
