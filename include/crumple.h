@@ -872,6 +872,22 @@ typedef struct {
     uint32_t reserved[3];
 } CrumpleContactReport;
 
+/// A hit that the last step of contacts brought to an instance, for sounds, sparks and scores. If both bodies dent, each
+/// has one.
+typedef struct {
+    /// The pair whose points made the hit.
+    uint64_t pair;
+    /// The touch that the hit is a part of; see crumple_instance_get_contact().
+    uint64_t contact_id;
+    CrumpleInstance instance;
+    /// Where the instance was hit, m, in world space.
+    CrumpleVec3 point;
+    /// The impulse on the instance, N s, in world space.
+    CrumpleVec3 impulse;
+    /// The effect of this hit alone.
+    CrumpleHitResult result;
+} CrumpleContactHit;
+
 /// What crumple_example_set_map_damage() did with the marks.
 typedef struct {
     /// Marks whose contact has a vertex at the same position in the new set.
@@ -1450,6 +1466,12 @@ CrumpleResult crumple_context_report_contacts(CrumpleContext *context, const Cru
 /// once after each step, also if nothing touched. The next read of the damage applies the hits. Their contact ids are 2^63
 /// and above; give other ids to your own hits. out_report may be null. Any thread may call it at any time.
 CrumpleResult crumple_context_step_contacts(CrumpleContext *context, float seconds, CrumpleContactReport *out_report);
+
+/// Returns the hits that the last crumple_context_step_contacts() brought to instances, in no particular order. Ask after each
+/// step; there are at most as many as its report's hits. hits has room for capacity hits; see "Arrays" at the top. Any thread may
+/// call it at any time.
+CrumpleResult crumple_context_get_contact_hits(CrumpleContext *context, CrumpleContactHit *hits, uint32_t capacity,
+                                               uint32_t *out_count);
 
 /// Returns the sums of all steps' reports; open is that of the last step. Any thread may call it at any time.
 CrumpleResult crumple_context_get_contact_totals(CrumpleContext *context, CrumpleContactReport *out_report);

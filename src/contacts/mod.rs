@@ -22,12 +22,12 @@ use crate::base::error::{Error, positive};
 use crate::base::math::to_f32;
 use crate::base::sync::{Mutex, MutexGuard};
 use crate::instance::inbox::Inbox;
-use crate::select::hit::{Hit, Outcome};
+use crate::select::hit::Hit;
 use glam::DVec3;
 use manifold::{Part, Push, next_blow};
 use options::ContactOptions;
 use point::{Body, ContactPoint, Reported};
-use report::ContactReport;
+use report::{ContactHit, ContactReport};
 use scale::{Scale, Scales};
 use share::{Whole, shares};
 use std::num::NonZeroU64;
@@ -39,7 +39,7 @@ use touch::{Fit, Key, Touch, blow};
 const FIRST_ID: u64 = 1 << 63;
 
 /// Who is told of each hit.
-type Told<'a> = dyn FnMut(&Arc<Inbox>, &Outcome) + 'a;
+type Told<'a> = dyn FnMut(&ContactHit<'_>) + 'a;
 
 /// m/s².
 const GRAVITY: f64 = 9.81;
@@ -195,15 +195,15 @@ impl ContactLayer {
     /// # Errors
     /// [`Error::InvalidArgument`] if `seconds` is not above 0; [`Error::OutOfMemory`]. After an error nothing has changed.
     pub fn step(&self, seconds: f32) -> Result<ContactReport, Error> {
-        self.step_each(seconds, |_, _| ())
+        self.step_each(seconds, |_| ())
     }
 
-    /// Like [`step`](Self::step), and calls `told` with the effect of each hit on its body, for sounds and sparks. A call
-    /// back into the layer never returns.
+    /// Like [`step`](Self::step), and calls `told` with each hit and its effect, for sounds and sparks. A call back into
+    /// the layer never returns.
     ///
     /// # Errors
     /// Those of [`step`](Self::step).
-    pub fn step_each(&self, seconds: f32, mut told: impl FnMut(&Arc<Inbox>, &Outcome)) -> Result<ContactReport, Error> {
+    pub fn step_each(&self, seconds: f32, mut told: impl FnMut(&ContactHit<'_>)) -> Result<ContactReport, Error> {
         positive("seconds", seconds, "s")?;
         let mut state = self.state();
         let state = &mut *state;
@@ -250,11 +250,11 @@ impl ContactLayer {
 
 impl ContactReport {
     /// Brings a hit to a body, and counts it.
-    fn hit(&mut self, inbox: &Arc<Inbox>, hit: &Hit, told: &mut Told<'_>) {
+    fn hit(&mut self, pair: u64, inbox: &Arc<Inbox>, hit: &Hit, told: &mut Told<'_>) {
         match inbox.submit(hit) {
             Ok(outcome) => {
                 self.hits += 1;
-                told(inbox, &outcome);
+                told(&ContactHit { pair, inbox, hit, outcome: &outcome });
             }
             Err(error) => {
                 self.refused += 1;
@@ -301,7 +301,7 @@ impl State {
             while let Some(blow) = next_blow(&mut self.parts, scale.radius) {
                 let hit = self.blow((pair, numbers, side), (body, inbox), &blow, &scale, shares[side], report);
                 if let Some(hit) = hit {
-                    report.hit(inbox, &hit, told);
+                    report.hit(pair, inbox, &hit, told);
                 }
             }
         }

@@ -698,6 +698,18 @@ namespace Crumple
 
     /// <summary>The struct of crumple.h.</summary>
     [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumpleContactHit
+    {
+        public ulong Pair;
+        public ulong ContactId;
+        public CrumpleInstance Instance;
+        public CrumpleVec3 Point;
+        public CrumpleVec3 Impulse;
+        public CrumpleHitResult Result;
+    }
+
+    /// <summary>The struct of crumple.h.</summary>
+    [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleDamageMapping
     {
         public uint Kept;
