@@ -298,8 +298,9 @@ impl State {
                 _ => [1.0; 2],
             });
             let (pair, numbers) = points[0].key();
+            let cap = self.cap((pair, numbers, side));
             while let Some(blow) = next_blow(&mut self.parts, scale.radius) {
-                let hit = self.blow((pair, numbers, side), (body, inbox), &blow, &scale, shares[side], report);
+                let hit = self.blow((pair, numbers, side), (body, inbox), (&blow, cap), &scale, shares[side], report);
                 if let Some(hit) = hit {
                     report.hit(pair, inbox, &hit, told);
                 }
@@ -370,7 +371,7 @@ impl State {
         &mut self,
         key: Key,
         (body, inbox): (&Body, &Inbox),
-        blow: &Part,
+        (blow, cap): (&Part, f64),
         scale: &Scale,
         share: f64,
         report: &mut ContactReport,
@@ -394,9 +395,35 @@ impl State {
             },
             None => self.begin(key, body, blow, share, report),
         };
+        let others = self.whole(key) - self.touches[at].whole().unwrap_or(0.0);
         let touch = &mut self.touches[at];
-        touch.add(blow);
+        touch.cap = cap;
+        touch.add(blow, cap - others);
         touch.hit(scale.energy, inbox.world_to_local())
+    }
+
+    /// Energy of the touches of a key before the bodies share it, J.
+    fn whole(&self, key: Key) -> f64 {
+        self.touches[self.touches_of(key)].iter().filter_map(Touch::whole).sum()
+    }
+
+    /// The most energy that the touches of a key may have, J. `parts` has the step's points.
+    ///
+    /// Solvers push bodies apart over several steps, and corners of one that tumbles follow each other. Together they bring
+    /// no more than the bodies' approach had when they met, unless a single step does: then something else pushes.
+    fn cap(&mut self, key: Key) -> f64 {
+        let step: f64 = self.parts.iter().map(|part| part.push.energy()).sum();
+        let touches = &self.touches[self.touches_of(key)];
+        let faster = |part: &Part| touches.iter().all(|touch| touch.is_slower_than(part));
+        let cap = if self.parts.iter().any(faster) {
+            let approach = self.parts.iter().map(|part| part.push.approach().unwrap_or(f64::INFINITY));
+            self.whole(key) + approach.fold(step, f64::max)
+        } else {
+            touches.iter().map(|touch| touch.cap).fold(step, f64::max)
+        };
+        let touches = self.touches_of(key);
+        self.touches[touches].iter_mut().for_each(|touch| touch.cap = cap);
+        cap
     }
 
     /// The touches of a key.
