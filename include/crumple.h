@@ -423,6 +423,8 @@ typedef struct CrumpleStriker {
     float radius;
     /// Velocity relative to the struck body before the touch, m/s.
     CrumpleVec3 velocity;
+    /// Its shape at the contact: 0 unknown, 1 a ball or anything round, 2 a pole or an edge, 3 a corner, 4 a wall or any flat face.
+    uint32_t shape;
 } CrumpleStriker;
 
 /// A hit given as a blow. point and vectors are in the given space (default CRUMPLE_SPACE_LOCAL). Give impulse, or mass
@@ -492,7 +494,8 @@ typedef struct CrumpleMark {
     /// How many hits of this depth the mark stands for, times 2^32: 4294967296 for one. Hits that repeat the mark add
     /// to it.
     uint64_t energy;
-    /// Up to four examples. Used pairs come first.
+    /// Up to four examples. Used pairs come first. If the first has the example 65534, they are the numbers of a hit whose dent
+    /// the set predicts (docs/model.md, "A mark of a learned set").
     CrumplePair pairs[4];
 } CrumpleMark;
 
@@ -609,6 +612,22 @@ typedef struct CrumpleContactReport {
     CrumpleResult refusal;
     uint32_t reserved[3];
 } CrumpleContactReport;
+
+/// A hit that the last step of contacts brought to an instance, for sounds, sparks and scores. If both bodies dent, each
+/// has one.
+typedef struct CrumpleContactHit {
+    /// The pair whose points made the hit.
+    uint64_t pair;
+    /// The touch that the hit is a part of; see crumple_instance_get_contact().
+    uint64_t contact_id;
+    CrumpleInstance instance;
+    /// Where the instance was hit, m, in world space.
+    CrumpleVec3 point;
+    /// The impulse on the instance, N s, in world space.
+    CrumpleVec3 impulse;
+    /// The effect of this hit alone.
+    CrumpleHitResult result;
+} CrumpleContactHit;
 
 /// Memory for the deformed vertices of one instance, in the mesh's order and space.
 typedef struct CrumpleHostBufferDef {
@@ -863,6 +882,12 @@ CrumpleResult crumple_context_report_contacts(CrumpleContext *context, const Cru
 /// once after each step, also if nothing touched. The next read of the damage applies the hits. Their contact ids are 2^63
 /// and above; give other ids to your own hits. out_report may be null. Any thread may call it at any time.
 CrumpleResult crumple_context_step_contacts(CrumpleContext *context, float seconds, CrumpleContactReport *out_report);
+
+/// Returns the hits that the last crumple_context_step_contacts() brought to instances, in no particular order. Ask after each
+/// step; there are at most as many as its report's hits. hits has room for capacity hits; see "Arrays" at the top. Any thread may
+/// call it at any time.
+CrumpleResult crumple_context_get_contact_hits(CrumpleContext *context, CrumpleContactHit *hits, uint32_t capacity,
+                                               uint32_t *out_count);
 
 /// Returns the sums of all steps' reports; open is that of the last step. Any thread may call it at any time.
 CrumpleResult crumple_context_get_contact_totals(CrumpleContext *context, CrumpleContactReport *out_report);

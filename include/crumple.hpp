@@ -629,6 +629,12 @@ public:
     Result<void> set_contact_options(const CrumpleContactOptionsDef &options) {
         return detail::done(crumple_context_set_contact_options(context_, &options));
     }
+    /// The hits that the last step brought to instances.
+    Result<std::vector<CrumpleContactHit>> contact_hits() const {
+        return detail::fill<CrumpleContactHit, uint32_t>([&](CrumpleContactHit *hits, uint32_t capacity, uint32_t *count) {
+            return crumple_context_get_contact_hits(context_, hits, capacity, count);
+        });
+    }
     /// The sums of all steps' reports.
     Result<CrumpleContactReport> contact_totals() const {
         return detail::get<CrumpleContactReport>(

@@ -64,7 +64,7 @@ pub use capi::entry_points;
 pub use contacts::ContactLayer;
 pub use contacts::options::{ContactOptions, Impulses};
 pub use contacts::point::ContactPoint;
-pub use contacts::report::ContactReport;
+pub use contacts::report::{ContactHit, ContactReport};
 pub use damage::mark::{Mark, Pair};
 pub use deform::simd::SimdLevel;
 pub use deform::tolerance::pixel_tolerance;

@@ -267,6 +267,41 @@ fn quick_what_a_solver_pushes_apart_is_no_blow() {
 }
 
 #[test]
+fn quick_the_steps_of_a_touch_bring_no_more_than_the_approach() {
+    let set = set(1.0);
+    let expected = told(&set, 5.0, MASS);
+    let step =
+        |at: [f32; 2], speed: f32, impulse: f32| move |body: &Instance| vec![point(body, at, speed, Some(impulse))];
+    let first = step([0.0; 2], 5.0, 30.0);
+    // 40 N s stop the striker, in however many steps, and the solver pushes on.
+    let got = after(&set, Default::default(), &[&first, &step([0.0; 2], 2.0, 10.0), &step([0.0; 2], 1.0, 15.0)]);
+    assert!(same(got, expected, 1e-3), "{got} m instead of {expected} m");
+    let corner = step([0.0; 2], 5.5, 15.0);
+    let got = after(&set, Default::default(), &[&step([0.0; 2], 5.0, 35.0), &corner]);
+    assert!(same(got, told(&set, 5.5, 40.0 / 5.5 * (5.0 / 5.5)), 0.05), "{got} m");
+    // A place further off gets what is left.
+    let far = [0.3, 0.0];
+    let both = |second: f32| {
+        let (mut body, contacts) = (new(&set), default());
+        for points in [first(&body), step(far, 4.0, second)(&body)] {
+            contacts.report(&points).unwrap();
+            contacts.step(STEP).unwrap();
+        }
+        (depth(&mut body), contacts.totals())
+    };
+    let (left, totals) = both(12.5);
+    assert_eq!((totals.begun, totals.hits), (2, 2));
+    assert_eq!(both(50.0 / 4.0 * 1.5).0, left, "50 J of the 100 were left");
+    // What is pushed as hard in one step counts, and so does a blow after the bodies separated.
+    let hard = after(&set, Default::default(), &[&first, &step([0.0; 2], 5.0, 120.0)]);
+    assert!(hard > 1.2 * expected, "{hard} m");
+    let nothing = |_: &Instance| Vec::new();
+    let again = after(&set, Default::default(), &[&first, &nothing, &nothing, &nothing, &nothing, &first]);
+    let once = after(&set, Default::default(), &[&first]);
+    assert!(again > 1.2 * once, "{again} m after {once} m");
+}
+
+#[test]
 fn quick_what_is_slow_or_weak_or_separates_leaves_nothing() {
     let set = set(1.0);
     let count = |speed: f32, impulse: f32| {

@@ -1,15 +1,17 @@
 //! Contact points of a physics engine, from which the context makes hits.
 
-use super::check::{Out, array, boolean, def, defs, enumerator, zeroed};
+use super::check::{Out, array, boolean, def, defs, enumerator, write_array, zeroed};
 use super::context::{Context, CrumpleContext, concurrent};
+use super::hit::CrumpleHitResult;
 use super::result::{CrumpleResult, Failure};
 use super::types::{CrumpleInstance, CrumpleVec3};
 use crate::contacts::options::{ContactOptions, Impulses};
 use crate::contacts::point::ContactPoint;
-use crate::contacts::report::ContactReport;
+use crate::contacts::report::{ContactHit, ContactReport};
 use crate::instance::inbox::Inbox;
+use crate::select::hit::Cause;
 use std::mem::MaybeUninit;
-use std::sync::{Arc, PoisonError};
+use std::sync::{Arc, MutexGuard, PoisonError};
 
 /// Options of a context's contacts.
 #[repr(C)]
@@ -131,6 +133,41 @@ impl From<&ContactReport> for CrumpleContactReport {
     }
 }
 
+/// A hit that the last step of contacts brought to an instance, for sounds, sparks and scores. If both bodies dent, each
+/// has one.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct CrumpleContactHit {
+    /// The pair whose points made the hit.
+    pub pair: u64,
+    /// The touch that the hit is a part of; see crumple_instance_get_contact().
+    pub contact_id: u64,
+    pub instance: CrumpleInstance,
+    /// Where the instance was hit, m, in world space.
+    pub point: CrumpleVec3,
+    /// The impulse on the instance, N s, in world space.
+    pub impulse: CrumpleVec3,
+    /// The effect of this hit alone.
+    pub result: CrumpleHitResult,
+}
+
+impl CrumpleContactHit {
+    fn new(instance: CrumpleInstance, hit: &ContactHit<'_>) -> Self {
+        let impulse = match &hit.hit.cause {
+            Cause::Impulse { blow, .. } => blow.impulse.unwrap_or_default(),
+            Cause::Displacement(_) => [0.0; 3],
+        };
+        CrumpleContactHit {
+            pair: hit.pair,
+            contact_id: hit.hit.contact.map_or(0, u64::from),
+            instance,
+            point: hit.hit.point.into(),
+            impulse: impulse.into(),
+            result: hit.outcome.into(),
+        }
+    }
+}
+
 /// Returns the default options.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_contact_options_def_default() -> CrumpleContactOptionsDef {
@@ -207,9 +244,38 @@ pub unsafe extern "C" fn crumple_context_step_contacts(
 ) -> CrumpleResult {
     concurrent("crumple_context_step_contacts", context, |context| {
         let out = Out::optional(out_report, "out_report")?;
-        out.write((&context.contacts.step(seconds)?).into());
+        let mut hits = contact_hits(context);
+        let earlier = hits.len();
+        let report = context.contacts.step_each(seconds, |hit| {
+            let inboxes = context.inboxes.read().unwrap_or_else(PoisonError::into_inner);
+            // An instance that was destroyed during the call gets no more hits.
+            let instance = inboxes.iter().find(|(_, inbox)| Arc::ptr_eq(inbox, hit.inbox)).map(|(id, _)| id);
+            hits.extend(instance.map(|instance| CrumpleContactHit::new(instance, hit)));
+        })?;
+        hits.drain(..earlier);
+        out.write((&report).into());
         Ok(())
     })
+}
+
+/// Returns the hits that the last crumple_context_step_contacts() brought to instances, in no particular order. Ask after each
+/// step; there are at most as many as its report's hits. hits has room for capacity hits; see "Arrays" at the top. Any thread may
+/// call it at any time.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_context_get_contact_hits(
+    context: *mut CrumpleContext,
+    hits: *mut CrumpleContactHit,
+    capacity: u32,
+    out_count: *mut u32,
+) -> CrumpleResult {
+    concurrent("crumple_context_get_contact_hits", context, |context| {
+        let out = Out::new(out_count, "out_count")?;
+        write_array(&contact_hits(context), hits, capacity as usize, "hits", out)
+    })
+}
+
+fn contact_hits(context: &Context) -> MutexGuard<'_, Vec<CrumpleContactHit>> {
+    context.contact_hits.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Returns the sums of all steps' reports; open is that of the last step. Any thread may call it at any time.

@@ -2,6 +2,7 @@
 
 use super::boundary::boundary;
 use super::check::{Out, def, defs, zeroed};
+use super::contacts::CrumpleContactHit;
 use super::ids::Slots;
 use super::result::{CrumpleResult, Failure};
 use super::store::State;
@@ -58,6 +59,8 @@ pub(super) struct Context {
     /// held.
     pub(super) inboxes: RwLock<Slots<Arc<Inbox>>>,
     pub(super) contacts: ContactLayer,
+    /// Of the last step.
+    pub(super) contact_hits: Mutex<Vec<CrumpleContactHit>>,
 }
 
 // SAFETY: `log_user` is only handed back to the host, on the thread that called.
@@ -225,6 +228,7 @@ pub unsafe extern "C" fn crumple_context_create(
             state: Mutex::new(State::new(tag)),
             inboxes: RwLock::new(Slots::new(tag)),
             contacts: ContactLayer::new(ContactOptions::default())?,
+            contact_hits: Mutex::default(),
         };
         contexts.last = number;
         contexts.live.push((number * STEP, Arc::new(context)));

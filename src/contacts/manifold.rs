@@ -13,6 +13,8 @@ pub(super) struct Push {
     pub speed: Option<f64>,
     /// Whether the speed is the impulse over the mass: parts of a touch then add up to its speed.
     pub derived: bool,
+    /// The mass behind the impulse times the gain, kg. `None` if it is unknown.
+    pub mass: Option<f64>,
     /// If the impulse is a guess that the bodies stop each other: the mass behind it times the gain, kg.
     pub guessed: Option<f64>,
 }
@@ -46,7 +48,9 @@ pub(super) fn pushes(points: &[Reported], options: &ContactOptions, out: &mut Ve
         let (impulse, guessed) = push(p);
         let gain = p.gain * f64::from(options.gain) * share;
         let speed = p.approach().or_else(|| Some(total / p.mass?));
-        Push { impulse: impulse * gain, speed, derived: p.velocity.is_none(), guessed: guessed.map(|m| m * gain) }
+        let mass = p.mass.map(|m| m * p.gain * f64::from(options.gain));
+        let derived = p.velocity.is_none();
+        Push { impulse: impulse * gain, speed, derived, mass, guessed: guessed.map(|m| m * gain) }
     }));
 }
 
@@ -71,6 +75,19 @@ fn blow_share(points: &[Reported], impulse: impl Fn(&Reported) -> f64) -> f64 {
         e if e > 1.0 && e <= SOLVER => 1.0 / e,
         e if e > SOLVER && e < PUSHED => (1.0 + (PUSHED - 1.0) * (e - SOLVER) / (PUSHED - SOLVER)) / e,
         _ => 1.0,
+    }
+}
+
+impl Push {
+    /// Energy, J. 0 if the speed is unknown.
+    pub fn energy(&self) -> f64 {
+        0.5 * self.impulse * self.speed.unwrap_or(0.0)
+    }
+
+    /// Energy of the bodies' approach, J. `None` if it is unknown.
+    pub fn approach(&self) -> Option<f64> {
+        let (mass, speed) = self.mass.zip(self.speed)?;
+        (!self.derived).then_some(0.5 * mass * speed * speed)
     }
 }
 
@@ -133,6 +150,7 @@ struct Sum {
     speed: Option<f64>,
     radius: Option<f32>,
     derived: bool,
+    mass: Option<f64>,
     /// The guessed masses, and the impulse that they stand for.
     guessed: (f64, f64),
 }
@@ -147,6 +165,7 @@ impl Sum {
         self.speed = part.push.speed.max_with(self.speed);
         self.radius = part.radius.max_with(self.radius);
         self.derived |= part.push.derived;
+        self.mass = part.push.mass.max_with(self.mass);
         if let Some(mass) = part.push.guessed {
             self.guessed = (self.guessed.0 + mass, self.guessed.1 + j);
         }
@@ -159,6 +178,7 @@ impl Sum {
             impulse: self.impulse,
             speed: velocity.map(|v| -v.dot(normal)).or(self.speed),
             derived: self.derived,
+            mass: self.mass,
             guessed: (self.guessed.1 == self.impulse).then_some(self.guessed.0),
         };
         Part { place: self.place / self.impulse, normal, velocity, radius: self.radius, push }

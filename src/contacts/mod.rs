@@ -22,12 +22,12 @@ use crate::base::error::{Error, positive};
 use crate::base::math::to_f32;
 use crate::base::sync::{Mutex, MutexGuard};
 use crate::instance::inbox::Inbox;
-use crate::select::hit::{Hit, Outcome};
+use crate::select::hit::Hit;
 use glam::DVec3;
 use manifold::{Part, Push, next_blow};
 use options::ContactOptions;
 use point::{Body, ContactPoint, Reported};
-use report::ContactReport;
+use report::{ContactHit, ContactReport};
 use scale::{Scale, Scales};
 use share::{Whole, shares};
 use std::num::NonZeroU64;
@@ -39,7 +39,7 @@ use touch::{Fit, Key, Touch, blow};
 const FIRST_ID: u64 = 1 << 63;
 
 /// Who is told of each hit.
-type Told<'a> = dyn FnMut(&Arc<Inbox>, &Outcome) + 'a;
+type Told<'a> = dyn FnMut(&ContactHit<'_>) + 'a;
 
 /// m/s².
 const GRAVITY: f64 = 9.81;
@@ -195,15 +195,15 @@ impl ContactLayer {
     /// # Errors
     /// [`Error::InvalidArgument`] if `seconds` is not above 0; [`Error::OutOfMemory`]. After an error nothing has changed.
     pub fn step(&self, seconds: f32) -> Result<ContactReport, Error> {
-        self.step_each(seconds, |_, _| ())
+        self.step_each(seconds, |_| ())
     }
 
-    /// Like [`step`](Self::step), and calls `told` with the effect of each hit on its body, for sounds and sparks. A call
-    /// back into the layer never returns.
+    /// Like [`step`](Self::step), and calls `told` with each hit and its effect, for sounds and sparks. A call back into
+    /// the layer never returns.
     ///
     /// # Errors
     /// Those of [`step`](Self::step).
-    pub fn step_each(&self, seconds: f32, mut told: impl FnMut(&Arc<Inbox>, &Outcome)) -> Result<ContactReport, Error> {
+    pub fn step_each(&self, seconds: f32, mut told: impl FnMut(&ContactHit<'_>)) -> Result<ContactReport, Error> {
         positive("seconds", seconds, "s")?;
         let mut state = self.state();
         let state = &mut *state;
@@ -250,11 +250,11 @@ impl ContactLayer {
 
 impl ContactReport {
     /// Brings a hit to a body, and counts it.
-    fn hit(&mut self, inbox: &Arc<Inbox>, hit: &Hit, told: &mut Told<'_>) {
+    fn hit(&mut self, pair: u64, inbox: &Arc<Inbox>, hit: &Hit, told: &mut Told<'_>) {
         match inbox.submit(hit) {
             Ok(outcome) => {
                 self.hits += 1;
-                told(inbox, &outcome);
+                told(&ContactHit { pair, inbox, hit, outcome: &outcome });
             }
             Err(error) => {
                 self.refused += 1;
@@ -298,10 +298,11 @@ impl State {
                 _ => [1.0; 2],
             });
             let (pair, numbers) = points[0].key();
+            let cap = self.cap((pair, numbers, side));
             while let Some(blow) = next_blow(&mut self.parts, scale.radius) {
-                let hit = self.blow((pair, numbers, side), (body, inbox), &blow, &scale, shares[side], report);
+                let hit = self.blow((pair, numbers, side), (body, inbox), (&blow, cap), &scale, shares[side], report);
                 if let Some(hit) = hit {
-                    report.hit(inbox, &hit, told);
+                    report.hit(pair, inbox, &hit, told);
                 }
             }
         }
@@ -370,7 +371,7 @@ impl State {
         &mut self,
         key: Key,
         (body, inbox): (&Body, &Inbox),
-        blow: &Part,
+        (blow, cap): (&Part, f64),
         scale: &Scale,
         share: f64,
         report: &mut ContactReport,
@@ -394,9 +395,35 @@ impl State {
             },
             None => self.begin(key, body, blow, share, report),
         };
+        let others = self.whole(key) - self.touches[at].whole().unwrap_or(0.0);
         let touch = &mut self.touches[at];
-        touch.add(blow);
+        touch.cap = cap;
+        touch.add(blow, cap - others);
         touch.hit(scale.energy, inbox.world_to_local())
+    }
+
+    /// Energy of the touches of a key before the bodies share it, J.
+    fn whole(&self, key: Key) -> f64 {
+        self.touches[self.touches_of(key)].iter().filter_map(Touch::whole).sum()
+    }
+
+    /// The most energy that the touches of a key may have, J. `parts` has the step's points.
+    ///
+    /// Solvers push bodies apart over several steps, and corners of one that tumbles follow each other. Together they bring
+    /// no more than the bodies' approach had when they met, unless a single step does: then something else pushes.
+    fn cap(&mut self, key: Key) -> f64 {
+        let step: f64 = self.parts.iter().map(|part| part.push.energy()).sum();
+        let touches = &self.touches[self.touches_of(key)];
+        let faster = |part: &Part| touches.iter().all(|touch| touch.is_slower_than(part));
+        let cap = if self.parts.iter().any(faster) {
+            let approach = self.parts.iter().map(|part| part.push.approach().unwrap_or(f64::INFINITY));
+            self.whole(key) + approach.fold(step, f64::max)
+        } else {
+            touches.iter().map(|touch| touch.cap).fold(step, f64::max)
+        };
+        let touches = self.touches_of(key);
+        self.touches[touches].iter_mut().for_each(|touch| touch.cap = cap);
+        cap
     }
 
     /// The touches of a key.

@@ -1,6 +1,22 @@
-//! What a step of contacts came to.
+//! The results of a step of contacts.
 
 use crate::base::error::Error;
+use crate::instance::inbox::Inbox;
+use crate::select::hit::{Hit, Outcome};
+use std::sync::Arc;
+
+/// A hit that a step of a [`ContactLayer`](crate::ContactLayer) brought to a body. Two bodies that dent get one each.
+#[derive(Debug, Clone, Copy)]
+pub struct ContactHit<'a> {
+    /// The pair whose points made it.
+    pub pair: u64,
+    /// The inbox of the body.
+    pub inbox: &'a Arc<Inbox>,
+    /// The hit, in world space. Its contact is the touch, of which it is one step.
+    pub hit: &'a Hit,
+    /// Its effect alone; [`Instance::contact`](crate::Instance::contact) returns that of the touch.
+    pub outcome: &'a Outcome,
+}
 
 /// What one step of a [`ContactLayer`](crate::ContactLayer) did. Counts are of this step, except for `open`.
 #[derive(Debug, Clone, PartialEq, Default)]

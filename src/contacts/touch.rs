@@ -45,6 +45,8 @@ pub(super) struct Touch {
     radius: Option<f32>,
     /// Impulse of all parts, N·s.
     impulse: f64,
+    /// The most energy that the touches of its key may have together, J, before the bodies share it.
+    pub cap: f64,
     /// The parts that the body has not got yet: impulse, and place and normal times impulse.
     waiting: (f64, DVec3, DVec3),
 }
@@ -63,27 +65,38 @@ impl Touch {
             velocity: None,
             radius: None,
             impulse: 0.0,
+            cap: f64::INFINITY,
             waiting: (0.0, DVec3::ZERO, DVec3::ZERO),
         }
     }
 
     pub fn fit(&self, part: &Part) -> Fit {
-        match (part.push.speed, self.speed) {
-            (Some(new), Some(old)) if !part.push.derived => {
-                if new > FASTER * old {
-                    Fit::Another
-                } else if new < HOLDS * old {
-                    Fit::Holds
-                } else {
-                    Fit::Same
-                }
-            }
+        let holds = |(old, new): (f64, f64)| !part.push.derived && new < HOLDS * old;
+        match self.speed.zip(part.push.speed) {
+            _ if self.is_slower_than(part) => Fit::Another,
+            speeds if speeds.is_some_and(holds) => Fit::Holds,
             _ => Fit::Same,
         }
     }
 
-    pub fn add(&mut self, part: &Part) {
+    /// Whether a part approaches so fast that it is another blow.
+    pub fn is_slower_than(&self, part: &Part) -> bool {
+        self.speed.zip(part.push.speed).is_some_and(|(old, new)| !part.push.derived && new > FASTER * old)
+    }
+
+    /// Adds a part, as far as the touch then has at most `most` J.
+    pub fn add(&mut self, part: &Part, most: f64) {
         let push = &part.push;
+        let given = if push.derived || push.guessed.is_some() {
+            push.impulse
+        } else {
+            let speed = if push.speed > self.speed { push.speed } else { self.speed };
+            let room = speed.map_or(f64::INFINITY, |speed| 2.0 * most / speed - self.impulse);
+            push.impulse.min(room)
+        };
+        if given <= 0.0 {
+            return;
+        }
         if push.derived {
             self.speed = push.speed.map(|v| v + self.speed.unwrap_or(0.0));
         } else if push.speed > self.speed {
@@ -92,7 +105,7 @@ impl Touch {
         let impulse = match (push.guessed, self.speed) {
             // The bodies stop each other once, however many steps that takes.
             (Some(mass), Some(speed)) => (mass * speed - self.impulse).max(0.0),
-            _ => push.impulse,
+            _ => given,
         };
         if part.radius > self.radius {
             self.radius = part.radius;
@@ -102,9 +115,14 @@ impl Touch {
         self.waiting = (waiting + impulse, place + part.place * impulse, normal + part.normal * impulse);
     }
 
+    /// Energy before the bodies share it, J. `None` if the speed is unknown.
+    pub fn whole(&self) -> Option<f64> {
+        self.speed.map(|speed| 0.5 * self.impulse * speed)
+    }
+
     /// Energy that the body gets, J. `None` if the speed is unknown.
     pub fn energy(&self) -> Option<f64> {
-        self.speed.map(|speed| 0.5 * self.impulse * speed * self.share)
+        self.whole().map(|whole| whole * self.share)
     }
 
     /// Whether it was strong enough for a hit.

@@ -63,6 +63,46 @@ static void a_manifold_is_one_blow(void) {
     FACT(fabsf(mark_of(whole).depth - mark_of(parts).depth) < 1e-5f);
 }
 
+// After a step the host asks for its hits. A step that fails keeps those of the step before.
+static void each_hit_is_told(void) {
+    CrumpleInstance a = body(), b = body();
+    CrumpleContactPointDef both = point_at(a, 5, 0, 5, 40), one = point_at(b, 6, 0.2f, 5, 20);
+    CrumpleContactHit hits[3];
+    CrumpleContactReport report;
+    CrumpleHitResult touch;
+    uint32_t count = 7;
+    both.bodies[1] = b;
+    OK(crumple_context_report_contacts(context, &both, 1));
+    OK(crumple_context_report_contacts(context, &one, 1));
+    OK(crumple_context_step_contacts(context, STEP, &report));
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "seconds", crumple_context_step_contacts(context, -1, NULL));
+    OK(crumple_context_get_contact_hits(context, NULL, 0, &count));
+    FACT(count == 3 && report.hits == 3);
+    FAILS(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "hits has room for 2; 3", crumple_context_get_contact_hits(context, hits, 2, &count));
+    FAILS(CRUMPLE_ERROR_NULL_POINTER, "out_count", crumple_context_get_contact_hits(context, hits, 3, NULL));
+    OK(crumple_context_get_contact_hits(context, hits, 3, &count));
+    int on_a = 0, on_b = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        const CrumpleContactHit *hit = &hits[i];
+        const bool first = hit->instance.index == a.index, shared = hit->pair == 5;
+        FACT(shared ? first || hit->instance.index == b.index : hit->pair == 6 && hit->instance.index == b.index);
+        FACT(hit->contact_id >> 63 == 1);
+        // No example bulges, so what comes from below leaves nothing.
+        FACT(hit->result.status == (hit->impulse.z < 0 ? CRUMPLE_HIT_STATUS_MARKED : CRUMPLE_HIT_STATUS_ACCUMULATED));
+        FACT(hit->point.x == (shared ? 0 : 0.2f) && hit->point.z == 0.075f && hit->impulse.x == 0);
+        // Both get the whole impulse, b from the other side.
+        FACT(hit->impulse.z == (shared ? first ? -40 : 40 : -20));
+        OK(crumple_instance_get_contact(context, hit->instance, hit->contact_id, &touch));
+        FACT(fabsf(touch.target.z - hit->result.target.z) < 1e-6f);
+        on_a += first, on_b += !first;
+    }
+    FACT(on_a == 1 && on_b == 2);
+    OK(crumple_context_step_contacts(context, STEP, &report));
+    OK(crumple_context_get_contact_hits(context, hits, 3, &count));
+    FACT(report.hits == 0 && count == 0);
+    OK(crumple_context_clear_contacts(context));
+}
+
 static void what_rests_leaves_nothing(void) {
     CrumpleInstance rests = body();
     CrumpleContactReport report;
@@ -142,6 +182,7 @@ int main(void) {
     OK(crumple_context_create(&def, &context));
     OK(crumple_example_set_create(context, &sheet.def, &set));
     a_manifold_is_one_blow();
+    each_hit_is_told();
     what_rests_leaves_nothing();
     what_rests_costs_no_allocation(counts);
     wrong_points_are_refused_whole();

@@ -44,6 +44,11 @@ int main() {
     impulse.striker = {2.5f, 0.1f, vec3(0, 0, -0.4f)};
     FACT(other.preview(impulse).value().status == CRUMPLE_HIT_STATUS_MARKED && other.marks().value().empty());
     body.end_contact(7).value();
+    CrumpleContactPointDef touch = crumple_contact_point_def_default();
+    touch.bodies[0] = body.id(), touch.normal = vec3(0, 0, 1), touch.point = vec3(0.3f, 0, 0.07f), touch.has_velocity = true;
+    touch.velocity = vec3(0, 0, -5), touch.impulse = 0;
+    context.report_contacts(&touch, 1).value();
+    FACT(context.step_contacts(1.0f / 60).value().points == 1 && context.contact_hits().value().empty());
     FACT(body.end_contact(0).result() == CRUMPLE_ERROR_INVALID_ARGUMENT);
     FACT(context.deform().value().vertices_written == VERTICES);
     FACT(buffer.changes().value().size() == 1);

@@ -95,6 +95,48 @@ static class DentTests
         }
     }
 
+    /// <summary>The points of a manifold are one blow, which the context tells.</summary>
+    public static void ContactPoints()
+    {
+        using (CrumpleContext context = Sheet.Context())
+        {
+            CrumpleInstanceDef def = CrumpleInstanceDef.Default;
+            def.Compliance = 0.001f;
+            Instance body = context.CreateInstance(context.CreateExampleSet(Sheet.Def()), in def);
+            CrumpleContactPointDef[] points = new CrumpleContactPointDef[2];
+            for (int i = 0; i < 2; i++)
+            {
+                points[i] = CrumpleContactPointDef.Default;
+                points[i].Pair = 9;
+                points[i].Bodies0 = body.Id;
+                points[i].Point = new CrumpleVec3(0.01f * i, 0, 0.07f);
+                points[i].Normal = new CrumpleVec3(0, 0, 1);
+                points[i].HasVelocity = true;
+                points[i].Velocity = new CrumpleVec3(0, 0, -5);
+                points[i].Impulse = 15;
+            }
+            context.ReportContacts(points);
+            CrumpleContactReport report = context.StepContacts(1f / 60);
+            Check.Same(1UL, report.Hits, "one blow");
+            CrumpleContactHit[] hits = new CrumpleContactHit[2];
+            Check.Fails(CrumpleResult.ErrorBufferTooSmall, "room for 0", () => context.GetContactHits(default(Span<CrumpleContactHit>)));
+            Check.Same(1, context.GetContactHits(hits), "one hit");
+            Check.Same(9UL, hits[0].Pair, "pair");
+            Check.Same(body.Id.Index, hits[0].Instance.Index, "instance");
+            Check.Near(-30, hits[0].Impulse.Z, 1e-4f, "impulse");
+            Check.Near(0.005f, hits[0].Point.X, 1e-6f, "the centre");
+            Check.Near(-0.03f, hits[0].Result.Achieved.Z, 1e-4f, "depth");
+            context.ClearContacts();
+            context.StepContacts(1f / 60);
+            Check.Same(0, context.GetContactHits(hits), "no hit in the next step");
+            Check.Same(2UL, context.ContactTotals().Points, "points");
+            CrumpleContactOptionsDef options = CrumpleContactOptionsDef.Default;
+            options.MaxPoints = 1;
+            context.SetContactOptions(options);
+            Check.Fails(CrumpleResult.ErrorInvalidArgument, "max_points", () => context.ReportContacts(points));
+        }
+    }
+
     /// <summary>Growth, repair around a point, results of contacts, hits in a pose.</summary>
     public static void TimeAndPoses()
     {

@@ -15,6 +15,7 @@ static class Tests
             DentTests.ChangesAndBounds,
             DentTests.ContactsAndSpaces,
             DentTests.ManyAtOnce,
+            DentTests.ContactPoints,
             DentTests.TimeAndPoses,
             DentTests.Parts,
             DentTests.TheRest,

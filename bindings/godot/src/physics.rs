@@ -197,7 +197,7 @@ fn stepped() {
     let mut hits: Vec<(Arc<Inbox>, Outcome)> = Vec::new();
     let told = LAYER.with(|layer| {
         layer.report(&report.points)?;
-        let told = layer.step_each(report.seconds, |inbox, outcome| hits.push((inbox.clone(), *outcome)))?;
+        let told = layer.step_each(report.seconds, |hit| hits.push((hit.inbox.clone(), *hit.outcome)))?;
         told.refusal.map_or(Ok(()), Err)
     });
     if let Err(error) = told {

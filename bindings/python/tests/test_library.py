@@ -226,9 +226,12 @@ def test_contact_points_of_a_manifold_are_one_blow(context):
     context.report_contacts(parts)
     assert context.step_contacts(1 / 60).hits == 1
     assert body.info.mark_count == 1
+    (hit,) = context.contact_hits
+    assert hit.instance is body and hit.pair == 1 and np.allclose(hit.point, 0) and np.allclose(hit.impulse, (0, 0, -40))
+    assert np.array_equal(body.contact(hit.contact_id).target, hit.result.target)
     rests = crumple.ContactPoint(2, (None, body), (0.2, 0, 0), (0, 0, -1), velocity=(0, 0, 0.1), masses=(8, None), impulse=1)
     context.report_contacts([rests])
-    assert context.step_contacts(1 / 60).slow == 1
+    assert context.step_contacts(1 / 60).slow == 1 and context.contact_hits == []
     wrong = crumple.ContactPoint(3, (body, None), (0, 0, 0), (0, 0, 0), impulse=1)
     with pytest.raises(crumple.CrumpleError, match="points\\[1\\].normal"):
         context.report_contacts([rests, wrong])

@@ -64,6 +64,27 @@ namespace Crumple
             return report;
         }
 
+        /// <summary>
+        /// The hits that the last step brought to instances, at most as many as its report's hits. Any thread, at any time.
+        /// Allocates nothing.
+        /// </summary>
+        /// <returns>How many there are.</returns>
+        /// <exception cref="CrumpleException">Among others: there are more than the destination has room for.</exception>
+        public unsafe int GetContactHits(Span<CrumpleContactHit> destination)
+        {
+            CrumpleContactHit none;
+            uint count;
+            using (Call call = Enter(this))
+            fixed (CrumpleContactHit* hits = &MemoryMarshal.GetReference(destination))
+            {
+                // No room is not the same as asking for the number.
+                CrumpleContactHit* room = hits == null ? &none : hits;
+                call.Check(NativeMethods.crumple_context_get_contact_hits(call.Context, room, (uint)destination.Length, &count),
+                    "crumple_context_get_contact_hits");
+            }
+            return (int)count;
+        }
+
         /// <summary>Changes the options of contacts. Any thread, at any time.</summary>
         public unsafe void SetContactOptions(CrumpleContactOptionsDef options)
         {

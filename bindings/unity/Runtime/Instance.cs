@@ -76,13 +76,14 @@ namespace Crumple
         }
 
         /// <summary>
-        /// Where it is: 16 floats, column-major, translation in elements 12 to 14, m. Only hits in world space go through it.
+        /// Where it is: 16 floats, column-major, translation in elements 12 to 14, m. Only hits in world space go through it. Any thread, at
+        /// any time.
         /// </summary>
         public unsafe void SetTransform(ReadOnlySpan<float> localToWorld)
         {
             if (localToWorld.Length != 16)
                 throw new ArgumentException("a matrix has 16 elements, this one " + localToWorld.Length, "localToWorld");
-            using (Call call = Context.EnterAlone(this))
+            using (Call call = Context.Enter(this))
             fixed (float* matrix = &MemoryMarshal.GetReference(localToWorld))
                 call.Check(NativeMethods.crumple_instance_set_transform(call.Context, Id, matrix),
                     "crumple_instance_set_transform");

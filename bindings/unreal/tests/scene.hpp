@@ -154,6 +154,7 @@ public:
         FACT(crumple_example_set_add_lod(context, set, &lod, &level) == CRUMPLE_OK);
         CrumpleInstanceDef def = crumple_instance_def_default();
         def.set = set;
+        def.compliance = 0.02f;
         FACT(crumple_instance_create(context, &def, &instance) == CRUMPLE_OK);
         CrumpleHostBufferDef buffer = crumple_host_buffer_def_default();
         const size_t size = vertices.size() * sizeof(Vertex);
@@ -168,14 +169,18 @@ public:
     ~Oracle() { crumple_context_destroy(context); }
 
     /// m and N s, in the set's space.
-    void hit(CrumpleVec3 point, CrumpleVec3 impulse, float mass = 0.5f, uint64_t contact = 0) {
+    void hit(CrumpleVec3 point, CrumpleVec3 impulse) {
         CrumpleImpulseDef def = crumple_impulse_def_default();
         def.point = point;
         def.impulse = impulse;
-        def.duration = 0.01f;
-        def.mass = mass;
-        def.contact_id = contact;
         FACT(crumple_instance_submit_impulse(context, instance, &def, nullptr) == CRUMPLE_OK);
+    }
+
+    /// The marks of a component.
+    void load(UCrumpleComponent& of) {
+        TArray<uint8> damage;
+        FACT(of.SaveDamage(damage));
+        FACT(crumple_instance_load_damage(context, instance, damage.GetData(), size_t(damage.Num())) == CRUMPLE_OK);
     }
 
     /// Whether the bytes of a vertex buffer of the plugin's are these vertices'. exact: to the bit.
@@ -234,10 +239,19 @@ struct Scene {
     }
 
     /// As Unreal tells of a contact: cm, kg cm/s.
-    void collide(FVector point, FVector impulse) {
+    void collide(FVector point, FVector impulse, UPrimitiveComponent* by = nullptr, FVector normal = {}) {
         FHitResult hit;
         hit.ImpactPoint = point;
-        target->OnComponentHit.Broadcast(target, actor, nullptr, impulse, hit);
+        hit.ImpactNormal = normal;
+        target->OnComponentHit.Broadcast(target, actor, by, impulse, hit);
+    }
+
+    /// A ball that simulates, kg and cm/s.
+    static UPrimitiveComponent* ball(float mass, FVector velocity) {
+        UPrimitiveComponent* made = NewObject<UPrimitiveComponent>();
+        made->StandinMass = mass;
+        made->StandinVelocity = velocity;
+        return made;
     }
 };
 

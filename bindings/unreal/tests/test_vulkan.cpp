@@ -24,12 +24,12 @@ static void dents(UStaticMesh* mesh, UCrumpleSet* set) {
 
     // Both are hit in one frame: one recording for both.
     const uint64 before = StandinVulkan::Finished;
-    one.collide({20, 10, 2}, {0, 0, -150});
-    two.collide({-20, 10, -2}, {0, 0, 120});
-    first.hit({0.2f, 0.02f, 0.1f}, {0, -1.5f, 0}, 0.5f, 1);
-    second.hit({-0.2f, -0.02f, 0.1f}, {0, -1.2f, 0}, 0.5f, 1);
+    one.collide({20, 10, 2}, {0, 0, -150}, Scene::ball(0.3f, {}));
+    two.collide({-20, 10, -2}, {0, 0, 120}, Scene::ball(0.3f, {}));
     StandinWorld::Frame();
     FlushRenderingCommands();
+    first.load(*one.crumple);
+    second.load(*two.crumple);
     const uint64 recordings = StandinVulkan::Finished - before;
     FACT(recordings == 1 || recordings == 2); // two where the RHI thread was faster than the render thread
     FACT(shows(first, *one.crumple) && shows(second, *two.crumple));
@@ -69,7 +69,7 @@ static void dents(UStaticMesh* mesh, UCrumpleSet* set) {
 
     // Gone in the callback of a hit, before its frame was recorded.
     two.crumple->OnDented.StandinAdd([](UCrumpleComponent* by, FVector, float) { by->GetOwner()->Destroy(); });
-    two.collide({0, 0, 0}, {0, 0, -100});
+    two.collide({0, 0, 0}, {0, 0, -100}, Scene::ball(0.3f, {}));
     for (int frame = 0; frame < 4; ++frame) StandinWorld::Frame();
     FlushRenderingCommands();
     FACT(!two.crumple->IsWorking());

@@ -177,7 +177,11 @@ impl Host<'_> {
                 let points = [self.contact_point(id)?, self.contact_point(id)?];
                 let count = self.word()?.min(2);
                 answered(crumple_context_report_contacts(context, points.as_ptr(), count));
-                crumple_context_step_contacts(context, self.number()?, MaybeUninit::uninit().as_mut_ptr())
+                let step = crumple_context_step_contacts(context, self.number()?, MaybeUninit::uninit().as_mut_ptr());
+                let (mut hits, mut count) = ([const { MaybeUninit::uninit() }; 4], 0);
+                let room = self.word()?.min(4);
+                answered(crumple_context_get_contact_hits(context, hits.as_mut_ptr().cast(), room, &mut count));
+                step
             }
             54 if self.bytes.arbitrary()? => crumple_context_clear_contacts(context),
             54 => crumple_context_get_contact_totals(context, MaybeUninit::uninit().as_mut_ptr()),

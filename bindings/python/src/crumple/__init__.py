@@ -16,6 +16,7 @@ from .types import (
     Attachment,
     Changes,
     Chosen,
+    ContactHit,
     ContactPoint,
     ContactReport,
     DeformReport,
@@ -42,7 +43,7 @@ __version__: str = library.crumple_version_string().decode()
 """The version of the library."""
 
 __all__ = [
-    "MARK", "Attachment", "Buffer", "Changes", "Chosen", "ContactPoint", "ContactReport", "Context", "CrumpleError",
+    "MARK", "Attachment", "Buffer", "Changes", "Chosen", "ContactHit", "ContactPoint", "ContactReport", "Context", "CrumpleError",
     "DeformReport", "Example", "ExampleInfo", "ExampleSet", "Frame", "HitResult", "HitStatus", "Instance", "InstanceInfo", "Mesh", "Placement", "Primitive", "Result",
     "Rule", "Seams", "Selection", "SetInfo", "SetOptions", "Space", "Striker", "keep_out", "library", "native",
 ]  # fmt: skip

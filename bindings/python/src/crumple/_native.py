@@ -255,6 +255,7 @@ class CrumpleStriker(c.Structure):
         ("mass", c.c_float),
         ("radius", c.c_float),
         ("velocity", CrumpleVec3),
+        ("shape", c.c_uint32),
     ]
 
 
@@ -372,6 +373,17 @@ class CrumpleContactReport(c.Structure):
         ("refused", c.c_uint64),
         ("refusal", c.c_uint32),
         ("reserved", c.c_uint32 * 3),
+    ]
+
+
+class CrumpleContactHit(c.Structure):
+    _fields_ = [
+        ("pair", c.c_uint64),
+        ("contact_id", c.c_uint64),
+        ("instance", CrumpleInstance),
+        ("point", CrumpleVec3),
+        ("impulse", CrumpleVec3),
+        ("result", CrumpleHitResult),
     ]
 
 
@@ -793,6 +805,7 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "crumple_context_set_contact_options": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleContactOptionsDef)]),
     "crumple_context_report_contacts": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleContactPointDef), c.c_uint32]),
     "crumple_context_step_contacts": (c.c_uint32, [c.c_void_p, c.c_float, c.POINTER(CrumpleContactReport)]),
+    "crumple_context_get_contact_hits": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleContactHit), c.c_uint32, c.POINTER(c.c_uint32)]),
     "crumple_context_get_contact_totals": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleContactReport)]),
     "crumple_context_clear_contacts": (c.c_uint32, [c.c_void_p]),
     "crumple_instance_get_marks": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleMark), c.c_uint32, c.POINTER(c.c_uint32)]),

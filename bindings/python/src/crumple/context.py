@@ -7,16 +7,17 @@ import os
 from collections.abc import Callable, Iterable, Sequence
 from types import TracebackType
 from typing import Any, Self
+from weakref import WeakValueDictionary
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native as native
-from ._arrays import Vector, elements, given, vector
+from ._arrays import Vector, elements, given, vector, vector3
 from ._library import check, library
 from .example_set import ExampleSet
-from .instance import Buffer
-from .types import ContactPoint, ContactReport, DeformReport, Example, SetOptions
+from .instance import Buffer, Instance, _hit_result
+from .types import ContactHit, ContactPoint, ContactReport, DeformReport, Example, SetOptions
 
 _OPTIONS = (
     "depth_limit", "drop_below", "vertex_mass", "stamp_resolution", "bake_tolerance", "bake_normal_tolerance", "seams",
@@ -45,6 +46,8 @@ class Context:
         self._handle = handle
         # Memory that the library writes, by buffer: it must live as long as the buffer.
         self._memory: dict[tuple[int, int], tuple[Any, ...]] = {}
+        # The instances of contact points, by id.
+        self._touched: WeakValueDictionary[tuple[int, int], Instance] = WeakValueDictionary()
 
     def close(self) -> None:
         """Destroys everything in the context. Calling it again does nothing."""
@@ -164,6 +167,7 @@ class Context:
     def report_contacts(self, points: Sequence[ContactPoint]) -> None:
         """Takes contact points of the current step of the physics: all or none. Any thread."""
         definitions = (native.CrumpleContactPointDef * len(points))(*map(_contact_point, points))
+        self._touched.update((_key(body.id), body) for point in points for body in point.bodies if body is not None)
         check(library.crumple_context_report_contacts(self.handle, definitions, len(points)))
 
     def step_contacts(self, seconds: float) -> ContactReport:
@@ -171,6 +175,22 @@ class Context:
         report = native.CrumpleContactReport()
         check(library.crumple_context_step_contacts(self.handle, seconds, ctypes.byref(report)))
         return _contact_report(report)
+
+    @property
+    def contact_hits(self) -> list[ContactHit]:
+        """The hits that the last step brought to instances. Any thread."""
+        count = ctypes.c_uint32()
+        call = library.crumple_context_get_contact_hits
+        check(call(self.handle, None, 0, ctypes.byref(count)))
+        hits = (native.CrumpleContactHit * count.value)()
+        check(call(self.handle, hits, len(hits), ctypes.byref(count)))
+        return [
+            ContactHit(
+                hit.pair, hit.contact_id, self._touched.get(_key(hit.instance)), vector3(hit.point), vector3(hit.impulse),
+                _hit_result(hit.result),
+            )
+            for hit in hits[: count.value]
+        ]  # fmt: skip
 
     def set_contact_options(self, **options: Any) -> None:
         """Sets the options of contacts: fields of ``CrumpleContactOptionsDef`` in crumple.h. Those not given get their defaults."""
@@ -322,6 +342,10 @@ def _contact_point(point: ContactPoint) -> native.CrumpleContactPointDef:
         definition.masses[side] = point.masses[side] or 0.0
         definition.radii[side] = point.radii[side] or 0.0
     return definition
+
+
+def _key(id: native.CrumpleInstance) -> tuple[int, int]:
+    return id.index, id.generation
 
 
 def _contact_report(report: native.CrumpleContactReport) -> ContactReport:

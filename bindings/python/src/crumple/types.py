@@ -243,6 +243,23 @@ class ContactReport:
 
 
 @dataclass(frozen=True)
+class ContactHit:
+    """A hit that the last step of contacts brought to an instance. See ``CrumpleContactHit`` in crumple.h."""
+
+    pair: int
+    contact_id: int
+    """The touch that the hit is a part of, for ``Instance.contact``."""
+    instance: Any
+    """The instance that was hit; ``None`` if you no longer hold it."""
+    point: Floats
+    """m, in world space."""
+    impulse: Floats
+    """On the instance, N s, in world space."""
+    result: HitResult
+    """The effect of this hit alone."""
+
+
+@dataclass(frozen=True)
 class DeformReport:
     vertices_written: int
     blocks_written: int

@@ -30,12 +30,9 @@ namespace Crumple
         [SerializeField] private CrumpleWriter writer = CrumpleWriter.Automatic;
 
         [Header("Material")]
-        [Tooltip("How long an impulse acts, s: a contact is displaced by impulse * duration / mass. Of the material, not the time step.")]
-        [Min(1e-6f)]
-        [SerializeField] private float duration = 0.01f;
-        [Tooltip("Mass of a vertex, kg. 0: that of the set, where it has one.")]
+        [Tooltip("How far a blow of 1 N s moves its contact, m. Unused if an example knows its blow.")]
         [Min(0)]
-        [SerializeField] private float vertexMass = 0.5f;
+        [SerializeField] private float compliance = 0.02f;
         [Tooltip("Contacts with less impulse than this leave no dent, N s.")]
         [Min(0)]
         [SerializeField] private float yieldImpulse;
@@ -49,9 +46,6 @@ namespace Crumple
         [Header("Collisions")]
         [Tooltip("Take hits from this object's collisions.")]
         [SerializeField] private bool fromCollisions = true;
-        [Tooltip("What a contact still brings after this time, s, is taken for resting and dents nothing.")]
-        [Min(0)]
-        [SerializeField] private float contactTime = 0.1f;
 
         [SerializeField, HideInInspector] private byte[] savedDamage = new byte[0];
 
@@ -134,6 +128,7 @@ namespace Crumple
                 loaded = CrumpleWorld.Load(set, original == null ? null : original);
                 CrumpleInstanceDef def = CrumpleInstanceDef.Default;
                 def.DepthLimit = depthLimit;
+                def.Compliance = compliance;
                 def.YieldImpulse = yieldImpulse;
                 def.Tolerance = tolerance;
                 CrumpleContext context = CrumpleWorld.Context;
@@ -195,7 +190,6 @@ namespace Crumple
         internal void Release()
         {
             CrumpleWorld.Remove(this);
-            EndContacts();
             if (gpu != null) gpu.Dispose();
             if (cpu != null) cpu.Dispose();
             gpu = null;
@@ -219,6 +213,7 @@ namespace Crumple
 
         private void LateUpdate()
         {
+            CrumpleWorld.EndStep();
             if (instance == null) return;
             try
             {

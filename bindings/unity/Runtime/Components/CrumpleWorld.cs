@@ -14,7 +14,7 @@ namespace Crumple
     /// thread waits for at most one recording, and the render thread never. Call nothing of Unity's meanwhile.
     /// </para>
     /// </summary>
-    public static class CrumpleWorld
+    public static partial class CrumpleWorld
     {
         private struct Key : IEquatable<Key>
         {
@@ -78,6 +78,9 @@ namespace Crumple
                 {
                     // No log and no callbacks: they would be gone after a reload of scripts, and the native side lives on.
                     context = new CrumpleContext();
+                    CrumpleContactOptionsDef contacts = CrumpleContactOptionsDef.Default;
+                    contacts.Impulses = CrumpleImpulses.WholeAtEveryPoint;
+                    context.SetContactOptions(contacts);
                     Hook();
                 }
                 return context;

@@ -239,6 +239,13 @@ namespace Crumple.Native
             CrumpleContactReport* outReport);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_context_get_contact_hits(
+            IntPtr context,
+            CrumpleContactHit* hits,
+            uint capacity,
+            uint* outCount);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_context_get_contact_totals(IntPtr context, CrumpleContactReport* outReport);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]

@@ -298,6 +298,7 @@ namespace Crumple
         public float Mass;
         public float Radius;
         public CrumpleVec3 Velocity;
+        public uint Shape;
     }
 
     /// <summary>The struct of the C headers.</summary>
@@ -467,6 +468,18 @@ namespace Crumple
         public ulong Refused;
         public CrumpleResult Refusal;
         public fixed uint Reserved[3];
+    }
+
+    /// <summary>The struct of the C headers.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumpleContactHit
+    {
+        public ulong Pair;
+        public ulong ContactId;
+        public CrumpleInstance Instance;
+        public CrumpleVec3 Point;
+        public CrumpleVec3 Impulse;
+        public CrumpleHitResult Result;
     }
 
     /// <summary>The struct of the C headers.</summary>

@@ -163,15 +163,7 @@ namespace UnityEngine
     {
         public Vector3 position { get; set; }
         public Vector3 localScale { get; set; } = Vector3.one;
-
-        public Vector3 InverseTransformPoint(Vector3 point) { return InverseTransformVector(point - position); }
-
-        public Vector3 InverseTransformDirection(Vector3 direction) { return direction; }
-
-        public Vector3 InverseTransformVector(Vector3 vector)
-        {
-            return new Vector3(vector.x / localScale.x, vector.y / localScale.y, vector.z / localScale.z);
-        }
+        public Matrix4x4 localToWorldMatrix { get { return new Matrix4x4 { Scale = localScale, Place = position }; } }
     }
 
     public sealed class MeshFilter : Component
@@ -189,7 +181,11 @@ namespace UnityEngine
         internal Material() { }
     }
 
-    public class Collider : Component { }
+    public class Collider : Component
+    {
+        public Rigidbody attachedRigidbody { get { return GetComponent<Rigidbody>(); } }
+    }
+
     public sealed class SphereCollider : Collider { }
     public sealed class BoxCollider : Collider { public Vector3 size { get; set; } public Vector3 center { get; set; } }
 
@@ -205,6 +201,7 @@ namespace UnityEngine
     {
         public Vector3 point { get; internal set; }
         public Vector3 normal { get; internal set; }
+        public Collider thisCollider { get; internal set; }
     }
 
     public class Collision
@@ -352,18 +349,33 @@ namespace StandIn
             }
         }
 
-        /// <summary>One step of physics in which an object touches another: what is OnCollisionEnter, OnCollisionStay or
-        /// OnCollisionExit.</summary>
-        public static void Collide(GameObject struck, string what, Collider by, Vector3 impulse, Vector3 normal, params Vector3[] points)
+        /// <summary>A step of physics, which tells of a collision: what is OnCollisionEnter, OnCollisionStay or OnCollisionExit.
+        /// Null: of none.</summary>
+        public static void Step(GameObject struck = null, string what = null, Collision collision = null)
         {
-            Collision collision = new Collision { collider = by, impulse = impulse, Points = new ContactPoint[points.Length] };
-            for (int i = 0; i < points.Length; i++) collision.Points[i] = new ContactPoint { point = points[i], normal = normal };
+            Time.fixedTime += Time.fixedDeltaTime;
+            foreach (MonoBehaviour behaviour in Behaviours.ToArray())
+                if (behaviour.Running) Call(behaviour, "FixedUpdate");
+            if (struck != null) Tell(struck, what, collision);
+        }
+
+        /// <summary>Tells an object of a collision in the step that runs.</summary>
+        public static void Tell(GameObject struck, string what, Collision collision)
+        {
             foreach (Component part in struck.Parts.ToArray())
             {
                 MonoBehaviour behaviour = part as MonoBehaviour;
                 if (!ReferenceEquals(behaviour, null)) Call(behaviour, what, collision);
             }
-            Time.fixedTime += Time.fixedDeltaTime;
+        }
+
+        /// <summary>A collision at these points with one normal, which points out of the other collider.</summary>
+        public static Collision Touch(Collider self, Collider other, Vector3 impulse, Vector3 velocity, Vector3 normal, params Vector3[] points)
+        {
+            Collision collision = new Collision { collider = other, impulse = impulse, relativeVelocity = velocity };
+            collision.rigidbody = other == null ? null : other.attachedRigidbody;
+            collision.Points = Array.ConvertAll(points, point => new ContactPoint { point = point, normal = normal, thisCollider = self });
+            return collision;
         }
 
         /// <summary>

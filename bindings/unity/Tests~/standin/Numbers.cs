@@ -39,6 +39,30 @@ namespace UnityEngine
         public Vector4(float x, float y, float z, float w) { this.x = x; this.y = y; this.z = z; this.w = w; }
     }
 
+    /// <summary>A scale and a place, by columns.</summary>
+    public struct Matrix4x4
+    {
+        internal Vector3 Scale, Place;
+
+        public float this[int index]
+        {
+            get
+            {
+                switch (index)
+                {
+                    case 0: return Scale.x;
+                    case 5: return Scale.y;
+                    case 10: return Scale.z;
+                    case 12: return Place.x;
+                    case 13: return Place.y;
+                    case 14: return Place.z;
+                    case 15: return 1;
+                    default: return 0;
+                }
+            }
+        }
+    }
+
     public struct Bounds
     {
         private Vector3 low, high;

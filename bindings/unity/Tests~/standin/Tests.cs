@@ -16,14 +16,27 @@ namespace Crumple.Tests
     {
         private CrumpleSet set;
         private CrumpleMesh mesh;
-        private Collider ball;
+        private Collider own, ball;
 
         [SetUp]
         public void SetUp()
         {
             set = Sheet.CreateSet();
+            Create();
+            ball = Ball();
+        }
+
+        private void Create()
+        {
             mesh = Sheet.Create(set);
-            ball = new GameObject("Ball").AddComponent<SphereCollider>();
+            own = mesh.gameObject.AddComponent<BoxCollider>();
+        }
+
+        private static Collider Ball()
+        {
+            GameObject made = new GameObject("Ball");
+            made.AddComponent<Rigidbody>().mass = 0.4f;
+            return made.AddComponent<SphereCollider>();
         }
 
         [TearDown]
@@ -33,24 +46,63 @@ namespace Crumple.Tests
             CrumpleWorld.Shutdown();
         }
 
-        private void Step(string what, float impulse, params Vector3[] points)
+        // A step in which the ball, which comes at so many m/s, gives an impulse.
+        private void Step(string what, float impulse, float speed, params Vector3[] points)
         {
-            Engine.Collide(mesh.gameObject, what, ball, new Vector3(0, 0, impulse), new Vector3(0, 0, -1), points);
+            Vector3 normal = new Vector3(0, 0, -1);
+            Engine.Step(mesh.gameObject, what, Engine.Touch(own, ball, normal * -impulse, normal * speed, normal, points));
         }
 
         [Test]
         public void AContactInPartsMakesTheDentOfTheWhole()
         {
-            Step("OnCollisionEnter", -0.5f, new Vector3(0.19f, 0, 0), new Vector3(0.21f, 0, 0));
-            Step("OnCollisionStay", -0.5f, new Vector3(0.2f, 0, 0));
-            Step("OnCollisionStay", 1, new Vector3(0.2f, 0, 0)); // told of the other body
+            Step("OnCollisionEnter", -0.5f, 5, new Vector3(0.19f, 0, 0), new Vector3(0.21f, 0, 0));
+            Step("OnCollisionStay", -0.5f, 5, new Vector3(0.2f, 0, 0));
+            Step("OnCollisionStay", 1, -5, new Vector3(0.2f, 0, 0)); // told of the other body
             Engine.Frame();
             Assert.AreEqual(0.04, Sheet.Depth(mesh), 1e-4); // 2 N s in all
-            Assert.AreEqual(1, mesh.Instance.GetInfo().MarkCount == 1 ? 1 : 0);
-            Step("OnCollisionExit", 0);
-            Step("OnCollisionEnter", -0.5f, new Vector3(-0.2f, 0, 0));
+            Assert.AreEqual(1u, mesh.Instance.GetInfo().MarkCount);
+            for (int i = 0; i < 4; i++) Engine.Step();
+            Step("OnCollisionEnter", -0.5f, 5, new Vector3(0.2f, 0, 0));
             Engine.Frame();
-            Assert.AreEqual(2u, mesh.Instance.GetInfo().MarkCount);
+            Assert.AreEqual(2UL, CrumpleWorld.Context.ContactTotals().Begun); // another blow at the same place
+            Step("OnCollisionEnter", -0.5f, 5, new Vector3(-0.2f, 0, 0));
+            Engine.Frame();
+            Assert.AreEqual(3UL, CrumpleWorld.Context.ContactTotals().Begun);
+        }
+
+        [Test]
+        public void TheDentIsThereInTheFrameOfItsStep()
+        {
+            int told = 0;
+            mesh.Dented += (dented, hit) => told++;
+            Step("OnCollisionEnter", -1, 5, Vector3.zero);
+            Assert.AreEqual(0, told); // the step has not ended
+            Engine.Frame();
+            Assert.AreEqual(1, told);
+            Assert.AreEqual(0.02, Sheet.Depth(mesh), 1e-4);
+            Engine.Frame();
+            Engine.Step();
+            Assert.AreEqual(1, told);
+            Assert.AreEqual(1UL, CrumpleWorld.Context.ContactTotals().Points);
+        }
+
+        [Test]
+        public void OfTwoBodiesThatDentBothTellAndEachIsStruckOnce()
+        {
+            CrumpleMesh below = Sheet.Create(set);
+            below.transform.localScale = new Vector3(1, 1, -1); // its front is down
+            Collider other = below.gameObject.AddComponent<BoxCollider>();
+            int told = 0;
+            mesh.Dented += (dented, hit) => told++;
+            below.Dented += (dented, hit) => told += 10;
+            Vector3 up = new Vector3(0, 0, 1);
+            Engine.Step(mesh.gameObject, "OnCollisionEnter", Engine.Touch(own, other, up, up * 5, up * -1, Vector3.zero));
+            Engine.Tell(below.gameObject, "OnCollisionEnter", Engine.Touch(other, own, up, up * 5, up, Vector3.zero));
+            Engine.Frame();
+            Assert.AreEqual(11, told);
+            Assert.AreEqual(0.02, Sheet.Depth(mesh), 1e-4);
+            Assert.AreEqual(0.02, Sheet.Depth(below), 1e-4);
         }
 
         [Test]
@@ -66,19 +118,15 @@ namespace Crumple.Tests
         [Test]
         public void WhatRestsDoesNotDent()
         {
-            Step("OnCollisionEnter", -0.5f, Vector3.zero);
-            for (int i = 0; i < 500; i++) Step("OnCollisionStay", -0.5f, Vector3.zero);
-            Engine.Frame();
-            // 0.1 s of contact are the first step and five more of 20 ms: 3 N s would be 60 mm, the set's limit is 50.
-            Assert.AreEqual(0.05, Sheet.Depth(mesh), 1e-4);
-            mesh.ResetDamage();
-            for (int i = 0; i < 500; i++) Step("OnCollisionStay", -0.5f, Vector3.zero);
-            Engine.Frame();
-            Assert.AreEqual(0.0, Sheet.Depth(mesh), 0.0);
-            Step("OnCollisionExit", 0);
-            Step("OnCollisionStay", -0.5f, Vector3.zero); // another touch, of which no Enter came
+            Step("OnCollisionEnter", -0.5f, 5, Vector3.zero);
+            for (int i = 0; i < 500; i++) Step("OnCollisionStay", -0.5f, 0.2f, Vector3.zero); // gravity of a step of 20 ms
             Engine.Frame();
             Assert.AreEqual(0.01, Sheet.Depth(mesh), 1e-4);
+            mesh.ResetDamage();
+            for (int i = 0; i < 500; i++) Step("OnCollisionStay", -0.5f, 0.2f, Vector3.zero);
+            Engine.Frame();
+            Assert.AreEqual(0.0, Sheet.Depth(mesh), 0.0);
+            Assert.AreEqual(1UL, CrumpleWorld.Context.ContactTotals().Hits);
         }
 
         [Test]
@@ -86,11 +134,11 @@ namespace Crumple.Tests
         {
             mesh.transform.position = new Vector3(10, 0, 0);
             mesh.transform.localScale = new Vector3(2, 2, 2);
-            Step("OnCollisionEnter", -2, new Vector3(10.4f, 0, 0));
+            Step("OnCollisionEnter", -2, 5, new Vector3(10.4f, 0, 0));
             Engine.Frame();
             Assert.AreEqual(0.02, Sheet.Depth(mesh), 1e-4); // 40 mm in the world
             mesh.enabled = false;
-            Step("OnCollisionEnter", -2, new Vector3(9, 0, 0)); // is told, and not taken
+            Step("OnCollisionEnter", -2, 5, new Vector3(9, 0, 0)); // is told, and not taken
             mesh.enabled = true;
             using (CrumpleWorld.Enter()) Assert.AreEqual(1u, mesh.Instance.GetInfo().MarkCount);
         }
@@ -99,22 +147,37 @@ namespace Crumple.Tests
         public void TheComponentMayBeDestroyedInACallback()
         {
             mesh.Dented += (dented, hit) => UnityEngine.Object.DestroyImmediate(dented.gameObject);
-            Step("OnCollisionEnter", -2, Vector3.zero);
-            Step("OnCollisionStay", -2, Vector3.zero);
+            Step("OnCollisionEnter", -2, 5, Vector3.zero);
+            Step("OnCollisionStay", -2, 5, Vector3.zero);
             Engine.Frame();
             Assert.IsTrue(mesh == null);
             Assert.AreEqual(0, CrumpleWorld.MeshCount);
-            mesh = Sheet.Create(set);
+            Create();
             mesh.Dented += (dented, hit) => UnityEngine.Object.Destroy(dented);
-            Step("OnCollisionEnter", -2, Vector3.zero);
+            Step("OnCollisionEnter", -2, 5, Vector3.zero);
             Engine.Frame();
             Assert.AreEqual(0, CrumpleWorld.MeshCount);
-            mesh = Sheet.Create(set);
+            Create();
+            int told = 0;
+            mesh.Dented += (dented, hit) => told++;
             mesh.Dented += (dented, hit) => CrumpleWorld.Shutdown();
-            Step("OnCollisionEnter", -2, Vector3.zero);
-            Step("OnCollisionStay", -2, Vector3.zero);
-            Step("OnCollisionExit", 0);
+            Step("OnCollisionEnter", -2, 5, Vector3.zero, new Vector3(0.4f, 0, 0));
+            Step("OnCollisionStay", -2, 5, Vector3.zero);
             Engine.Frame();
+            Assert.AreEqual(1, told); // of two hits
+        }
+
+        [Test]
+        public void WhatIsRefusedIsSaidOnce()
+        {
+            Engine.Console();
+            for (int i = 0; i < 3; i++)
+            {
+                Step("OnCollisionEnter", -2, 5, new Vector3(100, 0, 0));
+                Engine.Frame();
+            }
+            string[] lines = Engine.Console();
+            if (lines.Length != 1 || !lines[0].Contains("a hit was not taken: ErrorContactTooFar")) Assert.Fail(string.Join(" | ", lines));
         }
 
         [Test]
@@ -122,14 +185,37 @@ namespace Crumple.Tests
         {
             for (int i = 0; i < 1000; i++)
             {
-                ball = new GameObject("Ball " + i).AddComponent<SphereCollider>();
-                Step("OnCollisionEnter", -0.1f, new Vector3(0.1f, 0.1f, 0));
+                ball = Ball();
+                Step("OnCollisionEnter", -0.1f, 5, new Vector3(0.1f, 0.1f, 0));
             }
             Engine.Frame();
             Assert.IsTrue(mesh.Instance.GetInfo().ContactCount <= 256);
+            Assert.IsTrue(CrumpleWorld.Context.ContactTotals().Open < 10);
             ball = null;
-            Step("OnCollisionEnter", -0.1f, Vector3.zero); // the collider is gone within the step
-            Step("OnCollisionExit", 0);
+            Step("OnCollisionEnter", -0.1f, 5, Vector3.zero); // the collider is gone within the step
+            Engine.Frame();
+            Assert.AreEqual(1001UL, CrumpleWorld.Context.ContactTotals().Hits);
+        }
+
+        [Test]
+        public void StepsAllocateNothing()
+        {
+            Vector3 normal = new Vector3(0, 0, -1);
+            Collision collision = Engine.Touch(own, ball, normal * 0.5f, normal * 5, normal, Vector3.zero, new Vector3(0.3f, 0, 0));
+            Action steps = () =>
+            {
+                for (int i = 0; i < 300; i++)
+                {
+                    CrumpleWorld.BeginStep();
+                    CrumpleWorld.Report(collision, mesh, null);
+                    CrumpleWorld.EndStep();
+                }
+            };
+            steps();
+            long before = GC.GetAllocatedBytesForCurrentThread();
+            steps();
+            long bytes = GC.GetAllocatedBytesForCurrentThread() - before;
+            if (bytes > 0) Assert.Fail(bytes + " bytes in 300 steps");
         }
     }
 
@@ -291,10 +377,11 @@ namespace Crumple.Tests
             Engine.Frame();
             float speed = (float)Math.Sqrt(2 * 9.81);
             Collider ball = new GameObject("Ball").AddComponent<SphereCollider>();
-            Engine.Collide(sample.Dented.gameObject, "OnCollisionEnter", ball, new Vector3(0, 0, -0.4f * speed), new Vector3(0, 0, -1),
-                new Vector3(0.2f, 0.1f, 0));
+            Vector3 down = new Vector3(0, 0, -1);
+            Engine.Step(sample.Dented.gameObject, "OnCollisionEnter", Engine.Touch(sample.Dented.GetComponent<BoxCollider>(), ball,
+                down * (0.4f * speed), down * speed, down, new Vector3(0.2f, 0.1f, 0)));
             Engine.Frame();
-            Assert.AreEqual(0.01 / 0.5 * 0.4 * speed, Sheet.Depth(sample.Dented), 1e-3);
+            Assert.AreEqual(0.02 * 0.4 * speed, Sheet.Depth(sample.Dented), 1e-3);
         }
     }
 

@@ -320,6 +320,7 @@ void StandinWorld::Play(AActor& Actor, UActorComponent& Component)
 
 void StandinWorld::Frame(float Seconds, bool bSubmit)
 {
+	++GFrameCounter;
 	for (UActorComponent* Each : std::vector(All))
 	{
 		if (Each->PrimaryComponentTick.bCanEverTick && Each->bStandinPlaying)

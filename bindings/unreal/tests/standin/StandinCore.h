@@ -77,6 +77,8 @@ struct TNumericLimits
 	static constexpr T Max() { return std::numeric_limits<T>::max(); }
 };
 
+inline uint64 GFrameCounter = 0;
+
 struct FMath
 {
 	template <typename T>

@@ -213,6 +213,7 @@ public:
 	}
 	const FTransform& GetComponentTransform() const { return StandinParent ? StandinParent->GetComponentTransform() : StandinTransform; }
 	void SetVisibility(bool bVisible, bool = false) { bStandinVisible = bVisible; }
+	virtual FVector GetComponentVelocity() const { return StandinVelocity; }
 	virtual FBoxSphereBounds CalcBounds(const FTransform&) const { return {}; }
 	virtual FBoxSphereBounds CalcLocalBounds() const { return CalcBounds(FTransform()); }
 	FBoxSphereBounds GetLocalBounds() const { return CalcLocalBounds(); }
@@ -220,6 +221,7 @@ public:
 	FBoxSphereBounds Bounds;
 	USceneComponent* StandinParent = nullptr;
 	FTransform StandinTransform;
+	FVector StandinVelocity;
 	bool bStandinVisible = true;
 };
 struct FHitResult
@@ -241,6 +243,7 @@ public:
 	void SetNotifyRigidBodyCollision(bool bNotify) { bStandinNotifies = bNotify; }
 	bool IsSimulatingPhysics() const { return StandinMass > 0; }
 	float GetMass() const { return StandinMass; }
+	FVector GetPhysicsLinearVelocityAtPoint(FVector) { return StandinVelocity; }
 	virtual FPrimitiveSceneProxy* CreateSceneProxy() { return nullptr; }
 	virtual FMatrix GetRenderMatrix() const { return GetComponentTransform().ToMatrixWithScale(); }
 	virtual int32 GetNumMaterials() const { return 0; }

@@ -10,11 +10,12 @@ static const TCHAR* const Gone = TEXT("the body is gone");
 
 FCrumpleBody::FCrumpleBody(TSharedRef<FCrumpleShape> InShape) : Shape(InShape), Layout{static_cast<uint32>(InShape->Mesh.Num())} {}
 
-TSharedPtr<FCrumpleBody> FCrumpleBody::Create(TSharedRef<FCrumpleShape> Shape, FString& OutError)
+TSharedPtr<FCrumpleBody> FCrumpleBody::Create(TSharedRef<FCrumpleShape> Shape, float Compliance, FString& OutError)
 {
 	TSharedPtr<FCrumpleBody> Body = MakeShareable(new FCrumpleBody(Shape));
 	CrumpleInstanceDef Def = crumple_instance_def_default();
 	Def.set = Shape->Set;
+	Def.compliance = Compliance;
 	FScopeLock Lock(&Shape->Context->Mutex);
 	const CrumpleResult Result = crumple_instance_create(Shape->Context->Get(), &Def, &Body->Instance);
 	if (Result != CRUMPLE_OK)
@@ -45,62 +46,8 @@ void FCrumpleBody::Release()
 	Buffer = {};
 }
 
-bool FCrumpleBody::Submit(const FCrumpleHit& Hit, CrumpleHitResult& OutTold, FString& OutError)
-{
-	CrumpleImpulseDef Def = crumple_impulse_def_default();
-	Def.point = Shape->Space.PointToSet(Hit.Point);
-	Def.impulse = Shape->Space.ImpulseToSet(Hit.Impulse);
-	Def.normal = Shape->Space.DirectionToSet(Hit.Normal);
-	Def.striker.mass = Hit.StrikerMass;
-	Def.duration = Hit.Duration;
-	Def.mass = Hit.VertexMass;
-	Def.contact_id = Hit.Contact;
-
-	FReadScopeLock Reading(Life);
-	if (Instance.index == 0)
-	{
-		OutError = Gone;
-		return false;
-	}
-	CrumpleContext* Context = Shape->Context->Get();
-	CrumpleResult Result = CRUMPLE_OK;
-	if (Hit.bInwards)
-	{
-		Result = crumple_instance_preview_impulse(Context, Instance, &Def, &OutTold);
-		if (Result == CRUMPLE_OK)
-		{
-			const CrumpleVec3& Out = Shape->Normals[OutTold.contact_vertex];
-			if (Def.impulse.x * Out.x + Def.impulse.y * Out.y + Def.impulse.z * Out.z > 0)
-			{
-				Def.impulse = {-Def.impulse.x, -Def.impulse.y, -Def.impulse.z};
-			}
-			if (Def.normal.x * Out.x + Def.normal.y * Out.y + Def.normal.z * Out.z < 0)
-			{
-				Def.normal = {-Def.normal.x, -Def.normal.y, -Def.normal.z};
-			}
-		}
-	}
-	if (Result == CRUMPLE_OK)
-	{
-		Result = crumple_instance_submit_impulse(Context, Instance, &Def, &OutTold);
-	}
-	if (Result != CRUMPLE_OK)
-	{
-		OutError = CrumpleWhy(Result);
-		return false;
-	}
-	bPending = true;
-	return true;
-}
-
-bool FCrumpleBody::EndContact(uint64 Contact)
-{
-	FReadScopeLock Reading(Life);
-	return Instance.index != 0 && crumple_instance_end_contact(Shape->Context->Get(), Instance, Contact) == CRUMPLE_OK;
-}
-
 template <typename CallType>
-bool FCrumpleBody::Locked(CallType&& Call, FString& OutError)
+bool FCrumpleBody::Shared(CallType&& Call, FString& OutError)
 {
 	FReadScopeLock Reading(Life);
 	if (Instance.index == 0)
@@ -108,13 +55,63 @@ bool FCrumpleBody::Locked(CallType&& Call, FString& OutError)
 		OutError = Gone;
 		return false;
 	}
-	FScopeLock Lock(&Shape->Context->Mutex);
 	const CrumpleResult Result = Call(Shape->Context->Get());
 	if (Result != CRUMPLE_OK)
 	{
 		OutError = CrumpleWhy(Result);
 		return false;
 	}
+	return true;
+}
+
+template <typename CallType>
+bool FCrumpleBody::Locked(CallType&& Call, FString& OutError)
+{
+	return Shared(
+		[&](CrumpleContext* Context)
+		{
+			FScopeLock Lock(&Shape->Context->Mutex);
+			return Call(Context);
+		},
+		OutError);
+}
+
+bool FCrumpleBody::Submit(const FVector& Point, const FVector& Impulse, CrumpleHitResult& OutTold, FString& OutError)
+{
+	CrumpleImpulseDef Def = crumple_impulse_def_default();
+	Def.point = Shape->Space.PointToSet(Point);
+	Def.impulse = Shape->Space.ImpulseToSet(Impulse);
+	const bool bDone = Shared(
+		[&](CrumpleContext* Context) { return crumple_instance_submit_impulse(Context, Instance, &Def, &OutTold); }, OutError);
+	bPending = bPending || bDone;
+	return bDone;
+}
+
+bool FCrumpleBody::Place(const FMatrix& ToWorld, FString& OutError)
+{
+	// A row of Unreal's is a column here.
+	float Columns[16];
+	for (int32 Row = 0; Row < 4; ++Row)
+	{
+		for (int32 Axis = 0; Axis < 4; ++Axis)
+		{
+			Columns[4 * Row + Axis] = static_cast<float>(ToWorld.M[Row][Axis] / (Axis < 3 ? FCrumpleSpace::CmPerMetre : 1));
+		}
+	}
+	return Shared([&](CrumpleContext* Context) { return crumple_instance_set_transform(Context, Instance, Columns); }, OutError);
+}
+
+bool FCrumpleBody::FindNormal(const FVector& Point, FVector& OutNormal, FString& OutError)
+{
+	CrumpleImpulseDef Def = crumple_impulse_def_default();
+	Def.point = Shape->Space.PointToSet(Point);
+	CrumpleHitResult Told{};
+	if (!Shared([&](CrumpleContext* Context) { return crumple_instance_preview_impulse(Context, Instance, &Def, &Told); }, OutError))
+	{
+		return false;
+	}
+	const CrumpleVec3& Normal = Shape->Normals[Told.contact_vertex];
+	OutNormal = FVector(Normal.x, Normal.y, Normal.z);
 	return true;
 }
 

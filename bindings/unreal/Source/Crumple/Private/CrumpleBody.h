@@ -20,37 +20,27 @@ struct FCrumpleLayout
 	uint32 Size() const { return BasisBegin() + Vertices * BasisStride; }
 };
 
-/** A hit in the static mesh's space. */
-struct FCrumpleHit
+/** How deep a hit dented, m; 0 if it left no mark. */
+inline double CrumpleDepth(const CrumpleHitResult& Told)
 {
-	/** cm. */
-	FVector Point = FVector::ZeroVector;
-	/** kg cm/s. */
-	FVector Impulse = FVector::ZeroVector;
-	/** Contact normal, of any length; Submit turns it out of the body. Zero: unknown. */
-	FVector Normal = FVector::ZeroVector;
-	/** kg; 0: unknown. */
-	float StrikerMass = 0;
-	/** How long it acts, s: a constant of the material. */
-	float Duration = 0.01f;
-	/** Mass of the vertex that is hit, kg; 0: the set's. */
-	float VertexMass = 0;
-	/** 0: a hit of its own. */
-	uint64 Contact = 0;
-	/** Whether an impulse that points out of the surface is turned around: Unreal does not say on which of two bodies a normal impulse
-	    acts. */
-	bool bInwards = false;
-};
+	return Told.status != CRUMPLE_HIT_STATUS_MARKED ? 0 : FVector(Told.achieved.x, Told.achieved.y, Told.achieved.z).Size();
+}
 
 class FCrumpleBody : public TSharedFromThis<FCrumpleBody>
 {
 public:
-	static TSharedPtr<FCrumpleBody> Create(TSharedRef<FCrumpleShape> Shape, FString& OutError);
+	/** Compliance: m per N s. */
+	static TSharedPtr<FCrumpleBody> Create(TSharedRef<FCrumpleShape> Shape, float Compliance, FString& OutError);
 	~FCrumpleBody();
 
-	/** Any thread, also while others are in the context. */
-	bool Submit(const FCrumpleHit& Hit, CrumpleHitResult& OutTold, FString& OutError);
-	bool EndContact(uint64 Contact);
+	/** A hit in the static mesh's space: cm, and kg cm/s. Any thread, also while others are in the context. */
+	bool Submit(const FVector& Point, const FVector& Impulse, CrumpleHitResult& OutTold, FString& OutError);
+	/** Where the body is: from the set's space, m, to the world, cm. For contact points. Any thread. */
+	bool Place(const FMatrix& ToWorld, FString& OutError);
+	/** Out of the surface of the set's base mesh, in the set's space, nearest to a point in the static mesh's space. Any thread. */
+	bool FindNormal(const FVector& Point, FVector& OutNormal, FString& OutError);
+	/** A hit arrived by another way. */
+	void SetPending() { bPending = true; }
 	/** Whether something happened since the last call that a deform would show. Any thread. */
 	bool TakePending() { return bPending.exchange(false); }
 
@@ -70,13 +60,16 @@ public:
 	const TSharedRef<FCrumpleShape> Shape;
 	const FCrumpleLayout Layout;
 
-	/** Held by whoever names the instance without submitting hits: with Mutex. */
+	/** Held by whoever names the instance without bringing hits: with Mutex. */
 	CrumpleInstance Get() const { return Instance; }
 
 private:
 	explicit FCrumpleBody(TSharedRef<FCrumpleShape> InShape);
 
-	/** Calls into the context with the lock held, unless the body is gone. */
+	/** Calls into the context, unless the body is gone. Others may be in the context. */
+	template <typename CallType>
+	bool Shared(CallType&& Call, FString& OutError);
+	/** The same with the lock held. */
 	template <typename CallType>
 	bool Locked(CallType&& Call, FString& OutError);
 	/** The same, and what it did will be shown. */

@@ -1,7 +1,6 @@
 #include "CrumpleComponent.h"
 
 #include "CrumpleBody.h"
-#include "CrumpleContacts.h"
 #include "CrumpleLog.h"
 #include "CrumpleModule.h"
 #include "CrumpleSceneProxy.h"
@@ -17,7 +16,6 @@ UCrumpleComponent::UCrumpleComponent()
 	PrimaryComponentTick.bCanEverTick = true;
 	PrimaryComponentTick.TickGroup = TG_PostPhysics;
 	SetCollisionEnabled(ECollisionEnabled::NoCollision);
-	Contacts = MakeShared<FCrumpleContacts>();
 }
 
 void UCrumpleComponent::BeginPlay()
@@ -48,7 +46,7 @@ bool UCrumpleComponent::Begin()
 	}
 	const TSharedPtr<FCrumpleContext> Context = FCrumpleModule::GetContext(LastError);
 	const TSharedPtr<FCrumpleShape> Shape = Context ? Context->FindShape(*TargetSet, *TargetMesh, LastError) : nullptr;
-	Body = Shape ? FCrumpleBody::Create(Shape.ToSharedRef(), LastError) : nullptr;
+	Body = Shape ? FCrumpleBody::Create(Shape.ToSharedRef(), Compliance, LastError) : nullptr;
 	if (!Body)
 	{
 		return false;
@@ -64,6 +62,7 @@ bool UCrumpleComponent::Begin()
 		SetMaterial(Material, Target->GetMaterial(Material));
 	}
 	Target->SetVisibility(false, false);
+	Context->Contacts.Add(this);
 	if (bDentOnHit)
 	{
 		Target->SetNotifyRigidBodyCollision(true);
@@ -83,27 +82,25 @@ void UCrumpleComponent::EndPlay(const EEndPlayReason::Type Reason)
 			Target->OnComponentHit.RemoveDynamic(this, &UCrumpleComponent::OnHit);
 			Target->SetVisibility(true, false);
 		}
+		Body->Shape->Context->Contacts.Remove(this);
 		Body->Release();
 		Body.Reset();
 		MarkRenderStateDirty();
 	}
-	Contacts->Reset();
 	Super::EndPlay(Reason);
 }
 
 void UCrumpleComponent::TickComponent(float DeltaTime, ELevelTick TickType, FActorComponentTickFunction* ThisTickFunction)
 {
 	Super::TickComponent(DeltaTime, TickType, ThisTickFunction);
-	Now += DeltaTime;
 	if (!Body)
 	{
 		return;
 	}
-	for (const uint64 Contact : Contacts->Expire(Now))
-	{
-		Body->EndContact(Contact);
-	}
-	if (Body->TakePending())
+	// Held, since those who are told of hits may end this component.
+	const TSharedRef<FCrumpleContext> Context = Body->Shape->Context;
+	Context->Contacts.Step(DeltaTime);
+	if (Body && Body->TakePending())
 	{
 		MarkRenderDynamicDataDirty();
 	}
@@ -113,42 +110,20 @@ void UCrumpleComponent::OnHit(UPrimitiveComponent*, AActor*, UPrimitiveComponent
 	const FHitResult& HitResult)
 {
 	// Swept movement reports hits without an impulse.
-	if (!Body || NormalImpulse.Size() <= LeastImpulse())
+	if (NormalImpulse.Size() > 0)
 	{
-		return;
+		With([&](FCrumpleBody& Of)
+			{ return Of.Shape->Context->Contacts.Report(*this, OtherComp, NormalImpulse.Size(), HitResult, LastError); });
 	}
-	const FVector Place = GetComponentTransform().InverseTransformPosition(HitResult.ImpactPoint);
-	const uint64 Contact = Contacts->Find(OtherComp ? OtherComp->GetUniqueID() : 0, Place, Now);
-	// Unreal tells after its step, so the velocity before the touch is unknown.
-	const float StrikerMass = OtherComp && OtherComp->IsSimulatingPhysics() ? OtherComp->GetMass() : 0;
-	Hit(HitResult.ImpactPoint, NormalImpulse, HitResult.ImpactNormal, StrikerMass, Contact, true);
 }
 
-bool UCrumpleComponent::Hit(
-	const FVector& Point, const FVector& Impulse, const FVector& Normal, float StrikerMass, uint64 Contact, bool bInwards)
+void UCrumpleComponent::Tell(const FVector& Point, double Depth)
 {
-	const FTransform& Transform = GetComponentTransform();
-	FCrumpleHit Made;
-	Made.Point = Transform.InverseTransformPosition(Point);
-	Made.Impulse = Transform.InverseTransformVectorNoScale(Impulse);
-	Made.Normal = Transform.InverseTransformVectorNoScale(Normal);
-	Made.StrikerMass = StrikerMass;
-	Made.Duration = Duration;
-	Made.VertexMass = VertexMass;
-	Made.Contact = Contact;
-	Made.bInwards = bInwards;
-	CrumpleHitResult Told{};
-	if (!With([&](FCrumpleBody& Of) { return Of.Submit(Made, Told, LastError); }))
+	if (Depth > 0)
 	{
-		return false;
-	}
-	if (Told.status == CRUMPLE_HIT_STATUS_MARKED)
-	{
-		const double Depth = FMath::Sqrt(FMath::Square(Told.achieved.x) + FMath::Square(Told.achieved.y) + FMath::Square(Told.achieved.z));
 		// The last thing done: the component may be gone afterwards.
 		OnDented.Broadcast(this, Point, static_cast<float>(Depth * FCrumpleSpace::CmPerMetre));
 	}
-	return true;
 }
 
 template <typename CallType>
@@ -170,42 +145,36 @@ bool UCrumpleComponent::With(CallType&& Call)
 	return false;
 }
 
-float UCrumpleComponent::LeastImpulse() const
-{
-	// 980 cm/s^2.
-	return MinImpulse > 0 ? MinImpulse : Target && Target->IsSimulatingPhysics() ? Target->GetMass() * 980 * 2 / 60 : 0;
-}
-
 bool UCrumpleComponent::SubmitImpulse(FVector Point, FVector Impulse)
 {
-	return Hit(Point, Impulse, FVector::ZeroVector, 0, 0, false);
+	const FTransform& Transform = GetComponentTransform();
+	const FVector Place = Transform.InverseTransformPosition(Point), Push = Transform.InverseTransformVectorNoScale(Impulse);
+	CrumpleHitResult Told{};
+	if (!With([&](FCrumpleBody& Of) { return Of.Submit(Place, Push, Told, LastError); }))
+	{
+		return false;
+	}
+	Tell(Point, CrumpleDepth(Told));
+	return true;
 }
 
 TFunction<bool(const FVector& Point, const FVector& Impulse)> UCrumpleComponent::MakeSubmitter() const
 {
-	FCrumpleHit Form;
-	Form.Duration = Duration;
-	Form.VertexMass = VertexMass;
-	return [Of = Body, Form](const FVector& Point, const FVector& Impulse)
+	return [Of = Body](const FVector& Point, const FVector& Impulse)
 	{
-		FCrumpleHit Made = Form;
-		Made.Point = Point;
-		Made.Impulse = Impulse;
 		CrumpleHitResult Told{};
 		FString Error;
-		return Of && Of->Submit(Made, Told, Error);
+		return Of && Of->Submit(Point, Impulse, Told, Error);
 	};
 }
 
 bool UCrumpleComponent::Repair(float Keep)
 {
-	Contacts->Reset();
 	return With([&](FCrumpleBody& Of) { return Of.Repair(Keep, LastError); });
 }
 
 bool UCrumpleComponent::ResetDamage()
 {
-	Contacts->Reset();
 	return With([&](FCrumpleBody& Of) { return Of.Reset(LastError); });
 }
 
@@ -216,7 +185,6 @@ bool UCrumpleComponent::SaveDamage(TArray<uint8>& Damage)
 
 bool UCrumpleComponent::LoadDamage(const TArray<uint8>& Damage)
 {
-	Contacts->Reset();
 	return With([&](FCrumpleBody& Of) { return Of.Load(Damage, LastError); });
 }
 

@@ -1,58 +1,50 @@
-// Which hits belong together. Unreal reports a contact as one event a step, without a number of its own; Crumple makes one dent of
-// hits with the same number, the same at any frame rate.
+// From the collisions that Unreal tells of to Crumple's contact points, and from its hits to components. Game thread.
 #pragma once
 
 #include "CoreMinimal.h"
 
+#include "crumple.h"
+
+class UCrumpleComponent;
+class UPrimitiveComponent;
+struct FHitResult;
+
 class FCrumpleContacts
 {
 public:
-	/** The number of the contact with a component at a point, cm, of the static mesh's space; Now in seconds. */
-	uint64 Find(uint32 Other, const FVector& Point, double Now)
+	/** Of a context that lives as long. */
+	void Use(CrumpleContext* InContext);
+
+	/** Components that play. */
+	void Add(UCrumpleComponent* Component) { Components.Add(Component); }
+	void Remove(UCrumpleComponent* Component)
 	{
-		for (FOpen& Open : All)
-		{
-			if (Open.Other == Other && FVector::DistSquared(Open.Point, Point) < Reach * Reach)
-			{
-				Open.Last = Now;
-				return Open.Id;
-			}
-		}
-		All.Add(FOpen{++Newest, Other, Point, Now});
-		return Newest;
+		Components.RemoveAll([=](const UCrumpleComponent* Each) { return Each == Component; });
 	}
 
-	/** Forgets contacts that were not hit for a while, and tells their numbers. */
-	TArray<uint64> Expire(double Now)
-	{
-		TArray<uint64> Ended;
-		for (int32 Index = All.Num() - 1; Index >= 0; --Index)
-		{
-			if (Now - All[Index].Last > Gap)
-			{
-				Ended.Add(All[Index].Id);
-				All.RemoveAt(Index);
-			}
-		}
-		return Ended;
-	}
+	/** A contact of a component with another one. Impulse: kg cm/s, of the whole pair in the step. False, and why, where it cannot be. */
+	bool Report(UCrumpleComponent& Component, UPrimitiveComponent* Other, double Impulse, const FHitResult& Hit, FString& OutError);
 
-	void Reset() { All.Empty(); }
-
-	/** Longer than a frame, shorter than a bounce, s. */
-	static constexpr double Gap = 0.1;
-	/** Hits further apart are contacts of their own, cm: a car that scrapes along a wall. */
-	static constexpr double Reach = 10;
+	/** Makes hits of what was reported in this frame, once. Every component calls it; any may be gone afterwards. */
+	void Step(float Seconds);
 
 private:
-	struct FOpen
+	/** How a pair moves. Unreal tells after its step, so the velocity before a step is the one after the step before it. */
+	struct FTouch
 	{
-		uint64 Id;
-		uint32 Other;
-		FVector Point;
+		uint64 Pair;
+		/** Of the one with the higher id relative to the other, cm/s. */
+		FVector Before, After;
+		bool bKnown;
 		double Last;
 	};
+	const FTouch& Touch(uint64 Pair, const FVector& Velocity);
 
-	TArray<FOpen> All;
-	uint64 Newest = 0;
+	CrumpleContext* Context = nullptr;
+	TArray<UCrumpleComponent*> Components;
+	TArray<FTouch> Touches;
+	TArray<CrumpleContactHit> Hits;
+	double Now = 0;  // s of steps
+	uint64 Frame = 0;
+	bool bWarned = false;
 };

@@ -57,6 +57,7 @@ TSharedPtr<FCrumpleContext> FCrumpleContext::Create(FString& OutError)
 	}
 	TSharedPtr<FCrumpleContext> Context = MakeShareable(new FCrumpleContext);
 	Context->Context = Made;
+	Context->Contacts.Use(Made);
 	Context->Vulkan = MakeUnique<FCrumpleVulkan>(*Context);
 	return Context;
 }

@@ -4,6 +4,7 @@
 // the workers that send dynamic data), the render thread and the RHI thread all do.
 #pragma once
 
+#include "CrumpleContacts.h"
 #include "CrumpleMeshData.h"
 #include "CrumpleSpace.h"
 
@@ -63,6 +64,7 @@ public:
 	FCrumpleVulkan& GetVulkan() { return *Vulkan; }
 
 	FCriticalSection Mutex;
+	FCrumpleContacts Contacts;
 
 private:
 	struct FKnown

@@ -33,17 +33,13 @@ public:
 	UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Crumple")
 	TObjectPtr<UCrumpleSet> Set;
 
-	/** How long an impulse acts, s: a constant of the material. A dent's depth is impulse * duration / mass. */
-	UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Crumple", meta = (ClampMin = "0.0001"))
-	float Duration = 0.01f;
-
-	/** The mass that a hit has to move, kg: the sheet around the place, not the whole body. 0: what the set says. */
+	/** How far an impulse of 1 N s moves its place, m, if no example knows its blow. Read when the component begins to play. */
 	UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Crumple", meta = (ClampMin = "0"))
-	float VertexMass = 0.5f;
+	float Compliance = 0.02f;
 
-	/** Hits below this are no dents, kg cm/s. 0: twice what the weight of a simulated body does between two steps of 1/60 s. */
+	/** Factor of the energy of collisions. */
 	UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Crumple", meta = (ClampMin = "0"))
-	float MinImpulse = 0;
+	float Gain = 1;
 
 	/** Whether hits of the static mesh component dent it by themselves. */
 	UPROPERTY(EditAnywhere, BlueprintReadWrite, Category = "Crumple")
@@ -108,11 +104,11 @@ private:
 		const FHitResult& Hit);
 
 	bool Begin();
-	bool Hit(const FVector& Point, const FVector& Impulse, const FVector& Normal, float StrikerMass, uint64 Contact, bool bInwards);
+	/** Tells OnDented of a dent at a place in the world, cm; Depth in m, 0 for none. The component may be gone afterwards. */
+	void Tell(const FVector& Point, double Depth);
 	/** Runs a call of the body; remembers why it fails. */
 	template <typename CallType>
 	bool With(CallType&& Call);
-	float LeastImpulse() const;
 
 	/** What is dented. */
 	UPROPERTY(Transient)
@@ -125,6 +121,6 @@ private:
 	TObjectPtr<UCrumpleSet> TargetSet;
 
 	TSharedPtr<FCrumpleBody> Body;
-	TSharedPtr<FCrumpleContacts> Contacts;  // shared, since generated code sees no more of its type than this
-	double Now = 0;  // s of ticks
+
+	friend FCrumpleContacts;
 };
