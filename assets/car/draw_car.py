@@ -1,8 +1,8 @@
 """Draws a car that make_car.py wrote, in Blender without a window (pip install bpy==5.0.1):
 
-    python draw_car.py car.glb PICTURE.png [--views front left ...] [--zebra] [--size 640 400] [--samples 24]
+    python draw_car.py car.glb [dented.glb ...] PICTURE.png [--views front left ...] [--zebra] [--size 640 400] [--samples 24]
 
-Several views become one picture, two beside each other."""
+Several views or cars become one picture, two beside each other."""
 
 import argparse
 import math
@@ -25,7 +25,7 @@ VIEWS = {
 
 def arguments():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    p.add_argument("glb", type=Path)
+    p.add_argument("glb", type=Path, nargs="+")
     p.add_argument("picture", type=Path)
     p.add_argument("--views", nargs="+", choices=VIEWS, default=["hero"])
     p.add_argument("--zebra", action="store_true", help="bodies reflect black and white stripes")
@@ -104,21 +104,27 @@ def zebra():
     return m
 
 
+def load(scene, glb, striped):
+    """The objects of a car."""
+    before = set(scene.objects)
+    bpy.ops.import_scene.gltf(filepath=str(glb.resolve()))
+    new = [o for o in scene.objects if o not in before]
+    # The importer turns glTF's z, the car's front, to -y. Here the front is x.
+    for o in [o for o in new if o.parent is None]:
+        o.rotation_mode = "XYZ"
+        o.rotation_euler = (o.rotation_euler[0], o.rotation_euler[1], math.radians(90))
+    if striped:
+        for o in [o for o in new if o.type == "MESH"]:
+            for slot in o.material_slots:
+                if slot.material.name.split(".")[0] in ("paint", "paint_second", "glass"):
+                    slot.material = striped
+    return new
+
+
 def main():
     a = arguments()
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
-    bpy.ops.import_scene.gltf(filepath=str(a.glb.resolve()))
-    # The importer turns glTF's z, the car's front, to -y. Here the front is x.
-    for o in [o for o in scene.objects if o.parent is None]:
-        o.rotation_mode = "XYZ"
-        o.rotation_euler = (o.rotation_euler[0], o.rotation_euler[1], math.radians(90))
-    if a.zebra:
-        striped = zebra()
-        for o in [o for o in scene.objects if o.type == "MESH"]:
-            for slot in o.material_slots:
-                if slot.material.name.split(".")[0] in ("paint", "paint_second", "glass"):
-                    slot.material = striped
     studio(scene)
     r = scene.render
     r.engine = "CYCLES"
@@ -133,8 +139,12 @@ def main():
     camera.data.lens = 62
     scene.collection.objects.link(camera)
     scene.camera = camera
-    pictures = []
-    for view in a.views:
+    pictures, striped, car = [], zebra() if a.zebra else None, []
+    for glb, view in [(glb, view) for glb in a.glb for view in a.views]:
+        if view == a.views[0]:
+            for o in car:
+                bpy.data.objects.remove(o, do_unlink=True)
+            car = load(scene, glb, striped)
         azimuth, elevation, distance = VIEWS[view]
         az, el = math.radians(azimuth), math.radians(elevation)
         middle = Vector((-0.05, 0, 0.62))

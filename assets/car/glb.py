@@ -43,8 +43,12 @@ def to_gltf(v):
     return np.ascontiguousarray(v[:, [1, 2, 0]], np.float32)
 
 
-def write(path, nodes, extras=None):
-    """nodes: (name, primitives); a primitive is (material or None, vertices, normals, texture coordinates or None, triangles)."""
+def write(path, nodes, extras=None, targets=None, kinds=None):
+    """nodes: (name, primitives); a primitive is (material or None, vertices, normals, texture coordinates or None, triangles).
+
+    targets: for each name of a node a list of (name, impact, displacements of each primitive in glTF's axes), morph targets of 16-bit numbers.
+    kinds: what Crumple is to make of nodes and materials that are no plain sheet, by name: moving or glass.
+    """
     names = sorted({p[0] for _, primitives in nodes for p in primitives if p[0]})
     data, views, accessors = bytearray(), [], []
 
@@ -60,10 +64,29 @@ def write(path, nodes, extras=None):
         accessors.append(a)
         return len(accessors) - 1
 
+    def sparse(moves):
+        """A morph target's accessor; displacements are up to a metre."""
+        steps = np.round(np.clip(moves, -1, 1) * 32767).astype(np.int16)
+        which = np.flatnonzero(steps.any(1))
+        which = which if len(which) else np.zeros(1, np.int64)
+        add(which.astype(np.uint16 if len(moves) <= 65536 else np.uint32), None, "SCALAR")
+        index = accessors.pop()
+        views[-1].pop("target")
+        while len(data) % 4:
+            data.append(0)
+        packed = np.ascontiguousarray(steps[which])
+        views.append({"buffer": 0, "byteOffset": len(data), "byteLength": packed.nbytes})
+        data.extend(packed.tobytes())
+        accessors.append({
+            "componentType": 5122, "normalized": True, "count": len(moves), "type": "VEC3", "min": steps.min(0).tolist(), "max": steps.max(0).tolist(),
+            "sparse": {"count": len(which), "indices": {"bufferView": len(views) - 2, "componentType": index["componentType"]}, "values": {"bufferView": len(views) - 1}},
+        })  # fmt: skip
+        return len(accessors) - 1
+
     meshes = []
     for name, primitives in nodes:
-        out = []
-        for mat, v, n, uv, t in primitives:
+        out, moving = [], (targets or {}).get(name, [])
+        for k, (mat, v, n, uv, t) in enumerate(primitives):
             a = {"POSITION": add(to_gltf(v), 34962, "VEC3", True)}
             if n is not None:
                 a["NORMAL"] = add(to_gltf(n), 34962, "VEC3")
@@ -73,8 +96,13 @@ def write(path, nodes, extras=None):
             p = {"attributes": a, "indices": add(np.ascontiguousarray(t.reshape(-1), kind), 34963, "SCALAR")}
             if mat:
                 p["material"] = names.index(mat)
+            if moving:
+                p["targets"] = [{"POSITION": sparse(pieces[k])} for _, _, pieces in moving]
             out.append(p)
         meshes.append({"name": name, "primitives": out})
+        if moving:
+            meshes[-1]["weights"] = [0.0] * len(moving)
+            meshes[-1]["extras"] = {"targetNames": [one[0] for one in moving], "impacts": [one[1] for one in moving]}
     g = {
         "asset": {"version": "2.0", "generator": "make_car.py", "copyright": "Crumple contributors, MIT OR Apache-2.0"},
         "scene": 0,
@@ -85,10 +113,20 @@ def write(path, nodes, extras=None):
         "bufferViews": views,
         "buffers": [{"byteLength": len(data)}],
     }
+    for node in g["nodes"]:
+        if node["name"] in (kinds or {}):
+            node["extras"] = {"crumple": kinds[node["name"]]}
     if names:
         g["materials"] = [material(name) for name in names]
+        for m in g["materials"]:
+            if m["name"] in (kinds or {}):
+                m["extras"] = {"crumple": kinds[m["name"]]}
         if any("extensions" in m for m in g["materials"]):
             g["extensionsUsed"] = ["KHR_materials_clearcoat"]
+    if targets:
+        g["scenes"][0]["extras"] = {"targets": "joined"}
+        g["extensionsUsed"] = [*g.get("extensionsUsed", []), "KHR_mesh_quantization"]
+        g["extensionsRequired"] = ["KHR_mesh_quantization"]
     if extras:
         g["asset"]["extras"] = extras
     while len(data) % 4:

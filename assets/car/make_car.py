@@ -119,6 +119,15 @@ def skin_parts(parts, skin):
     parts.sides("foglamp", "trim", sheet(skin, "fog", inset=0.045, folded=False))
 
 
+def left_of(v, n, t):
+    """The left half of a mesh, closed at the middle when it is mirrored."""
+    left = v[t].mean(1)[:, 1] > 0
+    v = v.copy()
+    v[np.intersect1d(t[left], t[~left]), 1] = 0
+    used, index = np.unique(t[left], return_inverse=True)
+    return v[used], n[used], index.reshape(-1, 3)
+
+
 def mounted_parts(parts, fine):
     """What is not cut from the skin."""
     for y, z in ((0.60, 0.664), (0.715, 0.684)):
@@ -131,7 +140,7 @@ def mounted_parts(parts, fine):
     parts.add("plate_front", "plate", components.plate(False))
     parts.add("plate_rear", "plate", components.plate(True))
     parts.add("interior", "seat", components.interior(fine))
-    parts.add("chassis", "trim", blob(components.chassis, (-2.3, -1, 0.15), (2.2, 1, 1.05), 0.06 if fine else 0.12))
+    parts.middle("chassis", "trim", left_of(*blob(components.chassis, (-2.3, -1, 0.15), (2.2, 1, 1.05), 0.06 if fine else 0.12)))
     parts.add("antenna", "paint_second", components.antenna(fine))
     parts.sides("exhaust", "chrome", components.exhaust(fine))
     for material, mesh in components.mirror(fine):

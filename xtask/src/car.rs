@@ -1,4 +1,4 @@
-//! `cargo xtask car`: makes the passenger car of assets/car, and draws it.
+//! `cargo xtask car`: makes the passenger car of assets/car, draws it, and makes its examples.
 
 use std::path::{Path, PathBuf};
 
@@ -23,6 +23,10 @@ pub struct Options {
     /// Also draw the car in Blender without a window, into car.png there; this installs `bpy`, about 400 MB
     #[arg(long)]
     picture: bool,
+    /// Also strike the car with a solver, and write its examples and the demo's impacts into assets/car; this takes a quarter of
+    /// an hour of a core, and goes on where it was interrupted
+    #[arg(long)]
+    examples: bool,
 }
 
 pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
@@ -36,6 +40,23 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
         cmd!(workspace.shell, "{python} {script} {car} {picture} {size...}").quiet().ignore_stdout().run()?;
         println!("{}", picture.display());
     }
+    if options.examples {
+        examples(workspace, &out)?;
+    }
+    Ok(())
+}
+
+/// Makes assets/car's examples from the car in `out`, with the Python package of this checkout.
+fn examples(workspace: &Workspace, out: &Path) -> Result<()> {
+    let sh = &workspace.shell;
+    let wheel = python::build(workspace, false, &workspace.target.join("car-wheel"))?;
+    let python = python::tested_environment(workspace)?;
+    let install = ["-m", "pip", "install", "--quiet", "--no-index", "--no-deps", "--force-reinstall"];
+    cmd!(sh, "{python} {install...} {wheel}").quiet().run()?;
+    let (assets, hits) = (workspace.path(ASSETS), out.join("hits"));
+    let (strike, write) = (assets.join("strike_car.py"), assets.join("example_car.py"));
+    cmd!(sh, "{python} -B -W ignore {strike} {out} {hits}").quiet().run()?;
+    cmd!(sh, "{python} -B {write} {hits} {assets}").quiet().run()?;
     Ok(())
 }
 

@@ -45,9 +45,9 @@ impl<'a> Command<'a> {
         &self.program
     }
 
-    pub fn info(&self, file: &Path) -> Result<String> {
+    pub fn info(&self, file: &Path, options: &[&str]) -> Result<String> {
         let program = &self.program;
-        Ok(cmd!(self.workspace.shell, "{program} info {file}").quiet().read()?)
+        Ok(cmd!(self.workspace.shell, "{program} info {file} {options...}").quiet().read()?)
     }
 
     /// Writes `count` impacts on `file`'s mesh. Every call writes the same ones.
@@ -56,12 +56,20 @@ impl<'a> Command<'a> {
         Ok(cmd!(self.workspace.shell, "{program} sample {file} --count {count} -o {impacts}").quiet().read()?)
     }
 
-    pub fn apply(&self, file: &Path, impacts: &Path, dented: &Path, pictures: Option<&Path>) -> Result<String> {
+    /// `options` are further ones of the command, such as `--join`.
+    pub fn apply(
+        &self,
+        file: &Path,
+        impacts: &Path,
+        dented: &Path,
+        pictures: Option<&Path>,
+        options: &[&str],
+    ) -> Result<String> {
         let program = &self.program;
         let pictures = pictures.map(|directory| ["--png".as_ref(), directory.as_os_str()]).into_iter().flatten();
         let gpu = self.gpu.as_ref().map(|name| format!("--gpu={name}"));
-        let apply =
-            cmd!(self.workspace.shell, "{program} apply {file} --impacts {impacts} -o {dented} {pictures...} {gpu...}");
+        let files = ["--impacts".as_ref(), impacts.as_os_str(), "-o".as_ref(), dented.as_os_str()];
+        let apply = cmd!(self.workspace.shell, "{program} apply {file} {files...} {pictures...} {gpu...} {options...}");
         Ok(apply.quiet().read()?)
     }
 }

@@ -1,4 +1,4 @@
-//! `cargo xtask demo`: dents a mesh with impacts and writes pictures and a GLB.
+//! `cargo xtask demo`: crashes a car with impacts and writes pictures and a GLB.
 
 use std::fs;
 use std::path::Path;
@@ -11,8 +11,9 @@ use crate::install::Profile;
 use crate::stage::Outcome;
 use crate::workspace::Workspace;
 
-/// A car's hood of sheet steel and a drum. Independent elasto-plastic solvers computed their example dents.
-const BODIES: &[&str] = &["hood", "drum"];
+/// The car with its examples, and what hits it; `cargo xtask car --examples` makes both.
+const CAR: &str = "assets/car/car_dents.glb";
+const CRASH: &str = "assets/car/crash.json";
 
 /// `gpu`: deform on the GPU whose name contains this.
 pub fn run(workspace: &Workspace, out: &Path, gpu: Option<&str>) -> Result<()> {
@@ -21,16 +22,13 @@ pub fn run(workspace: &Workspace, out: &Path, gpu: Option<&str>) -> Result<()> {
 }
 
 fn show(workspace: &Workspace, command: &Command<'_>, out: &Path) -> Result<()> {
-    println!("\nFive hits each on a steel hood and a drum; their examples are dents that physics solvers computed.");
-    for body in BODIES {
-        let start = Instant::now();
-        let out = workspace.path(out).join(body);
-        println!("\n{body}:");
-        dent(workspace, command, body, &out)?;
-        println!("  {:.1} s with reading, writing and pictures", start.elapsed().as_secs_f64());
-        println!("  Look at {} and dented.glb beside it.", out.join("before_after.png").display());
-        println!("  The hits are in assets/demo/{body}.json, what each became in report.txt.");
-    }
+    println!("\nA car before and after a crash; its examples are dents that a physics solver computed.");
+    let start = Instant::now();
+    let out = workspace.path(out);
+    dent(workspace, command, &out)?;
+    println!("  {:.1} s with reading, writing and pictures", start.elapsed().as_secs_f64());
+    println!("  Look at {} and dented.glb beside it.", out.join("before_after.png").display());
+    println!("  The hits are in {CRASH}, what each became in report.txt.");
     Ok(())
 }
 
@@ -38,21 +36,18 @@ fn show(workspace: &Workspace, command: &Command<'_>, out: &Path) -> Result<()> 
 pub fn check(workspace: &Workspace) -> Result<Outcome> {
     let out = workspace.target.join("demo");
     show(workspace, &Command::build(workspace, Profile::Debug, None)?, &out)?;
-    for body in BODIES {
-        for file in ["base.png", "after.png", "heat.png", "before_after.png", "dented.glb", "report.txt"] {
-            let path = out.join(body).join(file);
-            fs::metadata(&path).with_context(|| format!("the demo left no {}", path.display()))?;
-        }
+    for file in ["base.png", "after.png", "heat.png", "before_after.png", "dented.glb", "report.txt"] {
+        let path = out.join(file);
+        fs::metadata(&path).with_context(|| format!("the demo left no {}", path.display()))?;
     }
     Ok(Outcome::Passed)
 }
 
-fn dent(workspace: &Workspace, command: &Command<'_>, body: &str, out: &Path) -> Result<()> {
+fn dent(workspace: &Workspace, command: &Command<'_>, out: &Path) -> Result<()> {
     fs::create_dir_all(out).with_context(|| format!("creating {}", out.display()))?;
-    let mesh = workspace.path(format!("assets/demo/{body}.glb"));
-    let impacts = workspace.path(format!("assets/demo/{body}.json"));
-    let info = command.info(&mesh)?;
-    let applied = command.apply(&mesh, &impacts, &out.join("dented.glb"), Some(out))?;
+    let (car, crash) = (workspace.path(CAR), workspace.path(CRASH));
+    let info = command.info(&car, &["--join"])?;
+    let applied = command.apply(&car, &crash, &out.join("dented.glb"), Some(out), &["--join", "--size", "1280x560"])?;
     // A table with a line for each hit comes first. The summary follows the last empty line.
     let summary = applied.rsplit("\n\n").next().unwrap_or(&applied);
     println!("{}", summary.trim_end());

@@ -71,6 +71,6 @@ fn dented(workspace: &Workspace) -> Result<PathBuf> {
     let (body, impacts, dented) =
         (workspace.path("assets/demo/hood.glb"), directory.join("impacts.json"), directory.join("hood.glb"));
     command.sample(&body, &impacts, "6")?;
-    command.apply(&body, &impacts, &dented, None)?;
+    command.apply(&body, &impacts, &dented, None, &[])?;
     Ok(dented)
 }

@@ -157,7 +157,7 @@ const STAGES: &[Stage] = &[
     },
     Stage {
         name: "demo",
-        shows: "`cargo xtask demo` dents a hood and a drum",
+        shows: "`cargo xtask demo` crashes the car",
         needs: &[],
         wants: &[],
         run: demo::check,

@@ -64,7 +64,7 @@ pub fn stage(workspace: &Workspace) -> Result<Outcome> {
     lay_out(workspace, &modules, &folder)?;
     let (sh, set) = (&workspace.shell, folder.join("hood.crumple"));
     let (impacts, dented) = (workspace.path("assets/demo/hood.json"), workspace.target.join("web/dented.glb"));
-    Command::build(workspace, Profile::Debug, None)?.apply(&set, &impacts, &dented, None)?;
+    Command::build(workspace, Profile::Debug, None)?.apply(&set, &impacts, &dented, None, &[])?;
     let tests = workspace.path(PACKAGE).join("test");
     let (bits, page, module) = (tests.join("node.mjs"), tests.join("page.mjs"), folder.join("crumple/crumple.wasm"));
     cmd!(sh, "node {bits} {module} {set} {impacts} {dented}").run()?;

@@ -229,7 +229,7 @@ def _profiles(body: Body, count: int, depth: tuple[float, float], words: list[st
     from . import profile
 
     words.append("These are generic round dents, made without a solver.")
-    words.append("They do not know their blows: give hits a duration and a mass (README, From impulse to depth), or a displacement.")
+    words.append("They do not know their blows: give hits a duration and a mass (docs/examples.md, From impulse to depth), or a displacement.")
     print("\n".join(words[1:]))
     return profile.make(body, count, depth)
 
