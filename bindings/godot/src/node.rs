@@ -177,6 +177,7 @@ impl CrumpleMeshInstance3D {
                 mass: size(striker_mass),
                 velocity: vector(striker_velocity),
                 radius: size(striker_radius),
+                ..Striker::default()
             },
         };
         let cause = Cause::Impulse { blow, mass: None };

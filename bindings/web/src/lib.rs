@@ -191,7 +191,7 @@ pub unsafe extern "C" fn body_blow(body: *mut Body, numbers: *const [f32; 15]) -
     let n = unsafe { *numbers };
     let known = |at: usize| Some(n[at]).filter(|x| !x.is_nan());
     let vector = |at: usize| known(at).map(|x| [x, n[at + 1], n[at + 2]]);
-    let striker = Striker { mass: known(10), velocity: vector(11), radius: known(14) };
+    let striker = Striker { mass: known(10), velocity: vector(11), radius: known(14), ..Striker::default() };
     let blow = Blow { impulse: vector(6), duration: known(9), normal: vector(3), striker };
     let hit = Hit::blow([n[0], n[1], n[2]], blow);
     code(unsafe { &*body }.instance.submit(&hit), |outcome| outcome.status as i32)

@@ -315,7 +315,8 @@ def _fill_example(one: Any, example: Example, count: int) -> list[Any]:
 def fill_striker(striker: Any, values: Any) -> None:
     from ._arrays import vector
 
-    striker.mass, striker.radius, striker.velocity = values.mass, values.radius, vector(values.velocity, "striker.velocity")
+    striker.mass, striker.radius, striker.shape = values.mass, values.radius, values.shape
+    striker.velocity = vector(values.velocity, "striker.velocity")
 
 
 def _fill_options(definition: Any, options: SetOptions | None) -> None:

@@ -52,6 +52,8 @@ class Striker:
     """Radius of its surface at the contact, m: small for a corner, large for a flat face."""
     velocity: ArrayLike = (0.0, 0.0, 0.0)
     """Relative to the struck body before the touch, m/s."""
+    shape: int = 0
+    """Its shape at the contact: 0 unknown, 1 a ball or anything round, 2 a pole or an edge, 3 a corner, 4 a wall or any flat face."""
 
 
 @dataclass
