@@ -582,6 +582,8 @@ typedef struct CrumpleContactPointDef {
     float inverse_mass;
     /// Radii of the surfaces of a and b at the point, m: small for a corner, large for a flat face. Default 0: unknown.
     float radii[2];
+    /// Shapes of a and b at the point, as those of CrumpleStriker. Default 0: unknown.
+    uint32_t shapes[2];
     /// Factor of the point's energy, for the materials of the pair, at least 0. Default 1.
     float gain;
 } CrumpleContactPointDef;

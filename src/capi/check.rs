@@ -232,11 +232,14 @@ pub(super) fn striker(striker: CrumpleStriker, name: &str) -> Result<Striker, Fa
         mass: positive_or(striker.mass, &field("mass"), "kg", "an unknown one")?,
         radius: positive_or(striker.radius, &field("radius"), "m", "an unknown one")?,
         velocity: striker.velocity.known(),
-        shape: StrikerShape::ALL
-            .get(striker.shape as usize)
-            .copied()
-            .ok_or_else(|| Failure::invalid(format!("{} is {}; it must be 0 to 4", field("shape"), striker.shape)))?,
+        shape: shape(striker.shape, &field("shape"))?,
     })
+}
+
+/// Reads the shape of a striker.
+pub(super) fn shape(shape: u32, name: &str) -> Result<StrikerShape, Failure> {
+    let known = StrikerShape::ALL.get(shape as usize).copied();
+    known.ok_or_else(|| Failure::invalid(format!("{name} is {shape}; it must be 0 to 4")))
 }
 
 #[cfg(test)]

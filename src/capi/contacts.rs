@@ -1,6 +1,6 @@
 //! Contact points of a physics engine, from which the context makes hits.
 
-use super::check::{Out, array, boolean, def, defs, enumerator, write_array, zeroed};
+use super::check::{Out, array, boolean, def, defs, enumerator, shape, write_array, zeroed};
 use super::context::{Context, CrumpleContext, concurrent};
 use super::hit::CrumpleHitResult;
 use super::result::{CrumpleResult, Failure};
@@ -79,6 +79,8 @@ pub struct CrumpleContactPointDef {
     pub inverse_mass: f32,
     /// Radii of the surfaces of a and b at the point, m: small for a corner, large for a flat face. Default 0: unknown.
     pub radii: [f32; 2],
+    /// Shapes of a and b at the point, as those of CrumpleStriker. Default 0: unknown.
+    pub shapes: [u32; 2],
     /// Factor of the point's energy, for the materials of the pair, at least 0. Default 1.
     pub gain: f32,
 }
@@ -322,6 +324,10 @@ unsafe fn read(context: &Context, def: &CrumpleContactPointDef, i: usize) -> Res
         masses: def.masses.map(known),
         inverse_mass: known(def.inverse_mass),
         radii: def.radii.map(known),
+        shapes: [
+            shape(def.shapes[0], "shapes[0]").map_err(|f| of(i, f))?,
+            shape(def.shapes[1], "shapes[1]").map_err(|f| of(i, f))?,
+        ],
         gain: def.gain,
         ..ContactPoint::new(def.pair, bodies, def.point.array(), def.normal.array())
     })

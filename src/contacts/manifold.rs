@@ -2,6 +2,7 @@
 
 use super::options::{ContactOptions, Impulses};
 use super::point::Reported;
+use crate::example::blow::StrikerShape;
 use glam::{DMat3, DVec3};
 
 /// What one point did in the step.
@@ -102,6 +103,7 @@ pub(super) struct Part {
     pub velocity: Option<DVec3>,
     /// Radius of the striker, m.
     pub radius: Option<f32>,
+    pub shape: StrikerShape,
     pub push: Push,
 }
 
@@ -114,6 +116,7 @@ impl Part {
             normal: p.normal * sign,
             velocity: p.velocity.map(|v| v * sign),
             radius: p.radii[1 - side],
+            shape: p.shapes[1 - side],
             push,
         }
     }
@@ -149,6 +152,7 @@ struct Sum {
     velocity: Option<DVec3>,
     speed: Option<f64>,
     radius: Option<f32>,
+    shape: StrikerShape,
     derived: bool,
     mass: Option<f64>,
     /// The guessed masses, and the impulse that they stand for.
@@ -164,6 +168,7 @@ impl Sum {
         self.velocity = part.velocity.map(|v| v * j + self.velocity.unwrap_or_default()).or(self.velocity);
         self.speed = part.push.speed.max_with(self.speed);
         self.radius = part.radius.max_with(self.radius);
+        self.shape = self.shape.max(part.shape);
         self.derived |= part.push.derived;
         self.mass = part.push.mass.max_with(self.mass);
         if let Some(mass) = part.push.guessed {
@@ -181,7 +186,7 @@ impl Sum {
             mass: self.mass,
             guessed: (self.guessed.1 == self.impulse).then_some(self.guessed.0),
         };
-        Part { place: self.place / self.impulse, normal, velocity, radius: self.radius, push }
+        Part { place: self.place / self.impulse, normal, velocity, radius: self.radius, shape: self.shape, push }
     }
 }
 

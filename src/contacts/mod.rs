@@ -490,6 +490,6 @@ fn whole(points: &[Reported], pushes: &[Push]) -> Option<(Whole, [Option<f32>; 2
     let expected = fastest.mass.zip(speed).map_or(total, |(mass, speed)| total.max(mass * speed));
     let normal = fastest.normal;
     let striker = speed.map(|speed| (expected / speed, fastest.velocity.unwrap_or(normal * -speed)));
-    let blow = blow((normal, expected), striker, None);
+    let blow = blow((normal, expected), striker);
     Some((Whole { point: to_f32(place), blow }, fastest.radii))
 }

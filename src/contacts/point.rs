@@ -2,6 +2,7 @@
 
 use crate::base::error::Error;
 use crate::base::math::unit;
+use crate::example::blow::StrikerShape;
 use crate::instance::inbox::Inbox;
 use crate::mesh::finite;
 use glam::DVec3;
@@ -44,6 +45,8 @@ pub struct ContactPoint {
     pub inverse_mass: Option<f32>,
     /// Radii of the surfaces of a and b at the point, m. Above 0: small for a corner, large for a flat face.
     pub radii: [Option<f32>; 2],
+    /// Shapes of a and b at the point.
+    pub shapes: [StrikerShape; 2],
     /// Factor of the point's energy, for the materials of the pair. At least 0.
     pub gain: f32,
 }
@@ -62,6 +65,7 @@ impl ContactPoint {
             masses: [None; 2],
             inverse_mass: None,
             radii: [None; 2],
+            shapes: [StrikerShape::Unknown; 2],
             gain: 1.0,
         }
     }
@@ -142,6 +146,7 @@ pub(super) struct Reported {
     pub velocity_after: Option<DVec3>,
     pub mass: Option<f64>,
     pub radii: [Option<f32>; 2],
+    pub shapes: [StrikerShape; 2],
     pub gain: f64,
 }
 
@@ -163,6 +168,7 @@ impl Reported {
             velocity_after: p.velocity_after.map(double),
             mass: p.reduced_mass(),
             radii: p.radii,
+            shapes: p.shapes,
             gain: p.gain.into(),
         };
         let (_, [a, b]) = reported.key();
@@ -176,6 +182,7 @@ impl Reported {
     fn turn(&mut self) {
         self.bodies.swap(0, 1);
         self.radii.swap(0, 1);
+        self.shapes.swap(0, 1);
         self.normal = -self.normal;
         self.velocity = self.velocity.map(|v| -v);
         self.velocity_after = self.velocity_after.map(|v| -v);
@@ -200,8 +207,10 @@ impl Reported {
         let [vx, vy, vz] = vector(self.velocity);
         let [wx, wy, wz] = vector(self.velocity_after);
         let [r, s] = self.radii.map(|r| size(r.map(f64::from)));
+        // Both in one number.
+        let shapes = f64::from(self.shapes[0] as u8) + 256.0 * f64::from(self.shapes[1] as u8);
         let (j, m, gain) = (size(self.impulse), size(self.mass), self.gain);
-        [px, py, pz, nx, ny, nz, vx, vy, vz, wx, wy, wz, j, m, r, s, gain, 0.0].map(f64::to_bits)
+        [px, py, pz, nx, ny, nz, vx, vy, vz, wx, wy, wz, j, m, r, s, gain, shapes].map(f64::to_bits)
     }
 
     /// Speed at which the bodies approach along the normal, m/s. Negative while they separate.

@@ -3,7 +3,7 @@
 use super::manifold::Part;
 use super::point::Body;
 use crate::base::math::to_f32;
-use crate::example::blow::{Blow, Striker};
+use crate::example::blow::{Blow, Striker, StrikerShape};
 use crate::select::hit::{Cause, Hit, Space};
 use glam::{DMat3, DVec3};
 use std::num::NonZeroU64;
@@ -43,6 +43,7 @@ pub(super) struct Touch {
     /// Of the striker relative to the body, m/s, when it approached fastest.
     velocity: Option<DVec3>,
     radius: Option<f32>,
+    shape: StrikerShape,
     /// Impulse of all parts, N·s.
     impulse: f64,
     /// The most energy that the touches of its key may have together, J, before the bodies share it.
@@ -64,6 +65,7 @@ impl Touch {
             speed: None,
             velocity: None,
             radius: None,
+            shape: StrikerShape::Unknown,
             impulse: 0.0,
             cap: f64::INFINITY,
             waiting: (0.0, DVec3::ZERO, DVec3::ZERO),
@@ -110,6 +112,7 @@ impl Touch {
         if part.radius > self.radius {
             self.radius = part.radius;
         }
+        self.shape = self.shape.max(part.shape);
         self.impulse += impulse;
         let (waiting, place, normal) = self.waiting;
         self.waiting = (waiting + impulse, place + part.place * impulse, normal + part.normal * impulse);
@@ -147,7 +150,8 @@ impl Touch {
         let impulse = if speed.is_some() { waiting } else { waiting * self.share };
         let velocity = |speed: f64| self.velocity.map_or(normal * -speed, |v| v * self.share);
         let striker = speed.map(|speed| (self.impulse / speed, velocity(speed)));
-        let blow = blow((normal, impulse), striker, self.radius);
+        let mut blow = blow((normal, impulse), striker);
+        (blow.striker.radius, blow.striker.shape) = (self.radius, self.shape);
         let point = to_body.0.inverse() * (place / waiting) + to_body.1;
         Some(Hit {
             point: to_f32(point),
@@ -158,9 +162,9 @@ impl Touch {
     }
 }
 
-/// A blow of an impulse (N·s) against a normal, by a striker with a mass (kg) and a velocity (m/s), if they are known, and a radius.
-pub(super) fn blow((normal, impulse): (DVec3, f64), striker: Option<(f64, DVec3)>, radius: Option<f32>) -> Blow {
+/// A blow of an impulse (N·s) against a normal, by a striker with a mass (kg) and a velocity (m/s), if they are known.
+pub(super) fn blow((normal, impulse): (DVec3, f64), striker: Option<(f64, DVec3)>) -> Blow {
     let mass = striker.map(|(mass, _)| mass as f32).filter(|m| *m > 0.0 && m.is_finite());
-    let striker = Striker { mass, velocity: striker.map(|(_, v)| to_f32(v)), radius, ..Striker::default() };
+    let striker = Striker { mass, velocity: striker.map(|(_, v)| to_f32(v)), ..Striker::default() };
     Blow { impulse: Some(to_f32(normal * -impulse)), duration: None, normal: Some(to_f32(normal)), striker }
 }

@@ -21,7 +21,7 @@ pub struct Blow {
 
 /// The shape of what strikes. Strikers of one shape leave dents that are alike.
 #[repr(u8)]
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub enum StrikerShape {
     /// Unknown.
     #[default]

@@ -180,7 +180,7 @@ fn together(a: &Blow, b: &Blow) -> Blow {
             mass: larger(a.striker.mass, b.striker.mass),
             velocity: longer(a.striker.velocity, b.striker.velocity),
             radius: larger(a.striker.radius, b.striker.radius),
-            shape: if a.striker.shape as u8 > b.striker.shape as u8 { a.striker.shape } else { b.striker.shape },
+            shape: a.striker.shape.max(b.striker.shape),
         },
     }
 }

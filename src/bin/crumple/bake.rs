@@ -11,8 +11,8 @@ use crate::{
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use crumple::{
-    BasisOptions, BasisReport, ExampleData, ExampleSet, MeshData, Placement, SetOptions, Stamp, TaskSystem, ThreadPool,
-    VertexMass, glam::Vec3, import,
+    BasisOptions, BasisReport, ExampleData, ExampleSet, MeshData, Placement, RuleReport, SetOptions, Stamp, TaskSystem,
+    ThreadPool, VertexMass, glam::Vec3, import,
 };
 use indicatif::ProgressBar;
 use std::{fmt::Write, path::PathBuf, time::Instant};
@@ -40,8 +40,8 @@ pub struct Arguments {
     /// No vertex moves further than this [default: the depth of the deepest example]
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     depth_limit: Option<f32>,
-    /// Let vertices follow nodes, a few of them, and be off by about this at most: hits and frames cost less, the more so the more
-    /// examples and marks there are. Give --reorder too
+    /// Let vertices follow nodes, a few of them, and be off by about this at most, and learn to predict hits from all examples at
+    /// once. Hits and frames cost less, the more so the more examples and marks there are. Give --reorder too
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     basis: Option<f32>,
     /// File with closed solids that dents must not enter, such as a roll cage: every mesh of a glTF or GLB file, where its
@@ -126,6 +126,10 @@ pub fn run(arguments: &Arguments) -> Result<String> {
         set.add_lod(mesh, &pool).with_context(|| shown.to_string())?;
     }
     let nodes = arguments.basis.map(|tolerance| set.learn_basis(&BasisOptions::new(tolerance), &pool)).transpose()?;
+    let rule = match &nodes {
+        Some(_) if set.mesh().normals().is_some() => Some(set.learn_rule(&pool)?),
+        _ => None,
+    };
     let built = start.elapsed();
     bar.inc(1);
     bar.set_message("writing");
@@ -157,6 +161,9 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     stamps(&mut text, &set)?;
     if let Some((report, tolerance)) = nodes.zip(arguments.basis) {
         followed(&mut text, &report, tolerance)?;
+    }
+    if let Some(report) = &rule {
+        predicted(&mut text, report)?;
     }
     info::blows(&mut text, &set);
     info::learned(&mut text, &set)?;
@@ -240,6 +247,26 @@ fn followed(text: &mut String, report: &BasisReport, tolerance: f32) -> Result<(
     } else {
         writeln!(text, "  Warning: {off}, where {} was asked for; no more nodes were tried.", mm(tolerance))?;
     }
+    Ok(())
+}
+
+/// Reports what the set predicts from all of its examples.
+fn predicted(text: &mut String, report: &RuleReport) -> Result<()> {
+    let mut errors = report.errors.clone();
+    errors.sort_by(f32::total_cmp);
+    let error = errors.get(errors.len() / 2).copied().unwrap_or(1.0);
+    let what = match (report.blows, report.displacements) {
+        (true, true) => "blows and displacements are predicted from all examples",
+        (true, false) => {
+            "blows are predicted from all examples; displacements from the nearest ones, which is better here"
+        }
+        (false, true) => {
+            "displacements are predicted from all examples; blows from the nearest ones, which is better here"
+        }
+        (false, false) => "hits use the nearest examples, which predict each other better here than all examples do",
+    };
+    writeln!(text, "  rule      {what}")?;
+    writeln!(text, "            error {error:.2}, median over the examples left out in turn; no dent at all is 1")?;
     Ok(())
 }
 

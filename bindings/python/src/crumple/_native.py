@@ -355,6 +355,7 @@ class CrumpleContactPointDef(c.Structure):
         ("masses", c.c_float * 2),
         ("inverse_mass", c.c_float),
         ("radii", c.c_float * 2),
+        ("shapes", c.c_uint32 * 2),
         ("gain", c.c_float),
     ]
 

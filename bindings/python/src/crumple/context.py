@@ -342,6 +342,7 @@ def _contact_point(point: ContactPoint) -> native.CrumpleContactPointDef:
             definition.bodies[side] = body.id
         definition.masses[side] = point.masses[side] or 0.0
         definition.radii[side] = point.radii[side] or 0.0
+        definition.shapes[side] = point.shapes[side]
     return definition
 
 

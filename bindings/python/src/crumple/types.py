@@ -225,6 +225,8 @@ class ContactPoint:
     inverse_mass: float | None = None
     """How easily the two move at the point along the normal, 1/kg."""
     radii: tuple[float | None, float | None] = (None, None)
+    shapes: tuple[int, int] = (0, 0)
+    """As those of `Striker`."""
     gain: float = 1.0
 
 

@@ -440,6 +440,7 @@ namespace Crumple
         public fixed float Masses[2];
         public float InverseMass;
         public fixed float Radii[2];
+        public fixed uint Shapes[2];
         public float Gain;
 
         public static CrumpleContactPointDef Default
