@@ -163,6 +163,17 @@ impl Dent {
         Reach { contact: self.contact, square: radius * radius }
     }
 
+    /// Squared distance from the contact beyond which a hit alone moves nothing that counts as an overlap, m².
+    pub(crate) fn own_reach_square(&self, set: &ExampleSet) -> f32 {
+        let ([Part::Predicted(field, _)], Some(nodes)) = (&self.parts[..], set.nodes()) else {
+            return self.reach().square;
+        };
+        // Dents overlap where they move a contact by a third of their depth. A tenth of it leaves room for vertices between nodes.
+        let longest = field.moved().map(|(_, u)| u.length_squared()).fold(0.0, f32::max);
+        let far = field.moved().filter(|(_, u)| u.length_squared() >= 0.01 * longest);
+        far.map(|(n, _)| nodes.lod.mesh.positions()[n as usize].distance_squared(self.contact)).fold(0.0, f32::max)
+    }
+
     /// Number of stamps that a vertex is looked up in.
     pub(crate) fn lookups(&self) -> usize {
         self.parts.iter().map(|p| if let Part::Carried(c) = p { c.lookups.len() } else { 0 }).sum()

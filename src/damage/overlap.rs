@@ -36,7 +36,7 @@ pub(crate) fn dent_alone(set: &ExampleSet, mark: &Mark) -> Dent {
         contact: mark.contact,
         power: libm::pow(f64::from(mark.depth), EXPONENT),
         depth: dent.alone_at(set, mark.contact).length(),
-        reach_square: dent.reach().square,
+        reach_square: dent.own_reach_square(set),
         widest: widest(set, mark),
         others: 0,
     };

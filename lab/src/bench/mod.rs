@@ -156,8 +156,13 @@ const WORKLOADS: &[Workload] = &[
     },
     Workload {
         name: "hit_hood",
-        about: "the demo's hood with vertices that follow nodes, and from marks: one more hit to positions and normals",
+        about: "one more hit on the demo's hood to positions and normals: predicted, with vertices that follow nodes, and from marks",
         run: nodes::hits_upon_hits,
+    },
+    Workload {
+        name: "predict",
+        about: "from a blow on the demo's hood to the displacements of its nodes",
+        run: nodes::predictions,
     },
     Workload {
         name: "expand_cache",

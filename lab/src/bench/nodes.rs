@@ -1,13 +1,14 @@
-//! The demo's hood with vertices that follow nodes: one more hit, all vertices, and memory.
+//! The demo's hood with vertices that follow nodes, and with a set that has learned to predict blows: one more hit, a prediction, all
+//! vertices, and memory.
 
 use std::sync::Arc;
 
-use anyhow::{Context, Result};
-use crumple::{BasisOptions, ExampleSet, Hit, Instance, InstanceOptions, Mark, Placement, reorder};
+use anyhow::{Context, Result, ensure};
+use crumple::{BasisOptions, Blow, ExampleSet, Hit, Instance, InstanceOptions, Mark, Placement, Striker, reorder};
 
 use super::Bench;
 use super::deformed::Deformed;
-use super::measure::{Contender, interleaved};
+use super::measure::{Contender, interleaved, timed};
 use super::real::all;
 use super::reference::{Classic, field};
 use super::report::{Aim, Row, Sense};
@@ -18,64 +19,97 @@ const TOLERANCE: f32 = 0.5e-3;
 /// Which of 64 hits is timed.
 const TIMED: [usize; 3] = [1, 9, 64];
 
-/// One more hit. Names end in `marks` where vertices are computed from marks.
+/// How a set shows its damage.
+#[derive(Clone, Copy, PartialEq)]
+enum Way {
+    Marks,
+    Nodes,
+    Learned,
+}
+
+/// One more hit, told as a blow and predicted from all examples. Names end in `nodes` or `marks` for a hit told as a displacement that
+/// mixes the nearest examples, where vertices follow nodes or are computed from marks.
 pub fn hits_upon_hits(bench: &Bench) -> Result<()> {
-    let (marks, nodes) = (set(bench, false)?, set(bench, true)?);
+    let sets = [set(bench, Way::Learned)?, set(bench, Way::Nodes)?, set(bench, Way::Marks)?];
     for count in TIMED {
         let name = format!("hit_hood_{count}");
-        if bench.wanted(&name) || bench.wanted(&format!("{name}_marks")) {
-            one_more(bench, &marks, &nodes, count)?;
+        if ["", "_nodes", "_marks"].iter().any(|end| bench.wanted(&format!("{name}{end}"))) {
+            one_more(bench, &sets, count)?;
         }
     }
+    Ok(())
+}
+
+/// From a blow to the displacements of the nodes.
+pub fn predictions(bench: &Bench) -> Result<()> {
+    let set = set(bench, Way::Learned)?;
+    let instance = Instance::new(set.clone(), InstanceOptions::default())?;
+    let hits = blows(&set, 997);
+    let mut next = hits.iter().cycle();
+    let mut predict = Contender::new(|| {
+        let hit = next.next();
+        timed(|| drop(std::hint::black_box(hit.map(|hit| instance.preview(hit)))))
+    });
+    let times = interleaved(&bench.plan, std::slice::from_mut(&mut predict));
+    bench.add(Row::time("predict_12", &times[0], "µs"));
     Ok(())
 }
 
 /// Memory of the set.
 pub fn memory(bench: &Bench) -> Result<()> {
     let bytes = |set: &ExampleSet| set.memory_bytes() as f64 / set.vertex_count() as f64;
-    let (marks, nodes) = (set(bench, false)?, set(bench, true)?);
+    let (marks, nodes) = (set(bench, Way::Marks)?, set(bench, Way::Learned)?);
     bench.add(Row::new("bytes_vertex", bytes(&nodes), "B/vertex").beside("from marks", bytes(&marks), Sense::Cost));
     Ok(())
 }
 
-fn set(bench: &Bench, nodes: bool) -> Result<Arc<ExampleSet>> {
+fn set(bench: &Bench, way: Way) -> Result<Arc<ExampleSet>> {
     let mut hood = all()?.into_iter().find(|real| real.name == "hood").context("the demo's hood is missing")?;
     reorder(&mut hood.mesh, &mut hood.examples);
     hood.examples.iter_mut().for_each(|e| e.placement = Placement::Carried);
     let mut set = ExampleSet::build(hood.mesh, hood.examples, baked(), bench.tasks(2))?;
-    if nodes {
+    if way != Way::Marks {
         set.learn_basis(&BasisOptions { rounds: 2, ..BasisOptions::new(TOLERANCE) }, bench.tasks(2))?;
+    }
+    if way == Way::Learned {
+        ensure!(set.learn_rule(bench.tasks(2))?.blows, "the hood's rule is not used");
     }
     Ok(Arc::new(set))
 }
 
 /// From the hit to positions and normals on one thread, against the classic kernel's positions of the example that moves most.
-fn one_more(bench: &Bench, marks: &Arc<ExampleSet>, nodes: &Arc<ExampleSet>, count: usize) -> Result<()> {
+fn one_more(bench: &Bench, [learned, nodes, marks]: &[Arc<ExampleSet>; 3], count: usize) -> Result<()> {
     let options = InstanceOptions::default();
     let hits = hits(marks, count);
     let (before, last) = (made(marks, options, &hits[..count - 1])?, hits[count - 1]);
     let deformed = |set| Deformed::new(set, options, &[], true, bench.tasks(1));
-    let (mut direct, mut ours) = (deformed(marks)?, deformed(nodes)?);
+    let (mut direct, mut ours, mut predicting) = (deformed(marks)?, deformed(nodes)?, deformed(learned)?);
+    // Another blow each time, because a set remembers its latest predictions.
+    let blows = blows(learned, 997);
+    let told = made(learned, options, &blows[..count - 1])?;
+    let mut next = blows.iter().cycle();
     let base = marks.mesh().positions();
     let fields = marks.examples().iter().map(|e| field(marks, e));
     let most = fields.max_by_key(Vec::len).unwrap_or_default();
     let mut classic = Classic::new(base, &[most], bench.tasks(1));
     let mut contenders = [
+        Contender::new(|| predicting.hit(&told, &[next.next().copied().unwrap_or(last)])),
         Contender::new(|| ours.hit(&before, &[last])),
         Contender::new(|| direct.hit(&before, &[last])),
         Contender::new(|| classic.run()),
     ];
     let times = interleaved(&bench.plan, &mut contenders);
     drop(contenders);
-    let row = |name: String, ours| Row::time(name, ours, "µs").beside_time("classic", &times[2], Sense::Cost);
-    bench.add(row(format!("hit_hood_{count}"), &times[0]).aim(Aim::AtMost(1.6)).hash(ours.hash()));
-    bench.add(row(format!("hit_hood_{count}_marks"), &times[1]).hash(direct.hash()));
+    let row = |name: String, ours| Row::time(name, ours, "µs").beside_time("classic", &times[3], Sense::Cost);
+    bench.add(row(format!("hit_hood_{count}"), &times[0]).aim(Aim::AtMost(1.6)));
+    bench.add(row(format!("hit_hood_{count}_nodes"), &times[1]).hash(ours.hash()));
+    bench.add(row(format!("hit_hood_{count}_marks"), &times[2]).hash(direct.hash()));
     Ok(())
 }
 
 /// Positions of all vertices of a body with nine marks, against the classic kernel with one example of all vertices.
 pub fn every_vertex(bench: &Bench) -> Result<()> {
-    let (options, nodes) = (InstanceOptions::default(), &set(bench, true)?);
+    let (options, nodes) = (InstanceOptions::default(), &set(bench, Way::Nodes)?);
     let marks = made(nodes, options, &hits(nodes, 9))?;
     let mut ours = Deformed::new(nodes, options, &marks, false, bench.tasks(1))?;
     ours.run();
@@ -100,6 +134,19 @@ fn hits(set: &ExampleSet, count: usize) -> Vec<Hit> {
         Hit::displacement(set.mesh().positions()[v].to_array(), inward.to_array())
     };
     (0..count).map(hit).collect()
+}
+
+/// Blows all over the body, as hard as those of its examples.
+fn blows(set: &ExampleSet, count: usize) -> Vec<Hit> {
+    let blow = |i: usize| {
+        let v = ((0.5 + 0.618_034 * i as f64).fract() * set.vertex_count() as f64) as usize;
+        let known = set.examples()[i % set.examples().len()].blow();
+        let speed = known.striker.velocity.map_or(0.0, |v| glam::Vec3::from(v).length());
+        let velocity = -set.mesh().contact_normal(v as u32).unwrap_or_default() * speed;
+        let striker = Striker { velocity: Some(velocity.to_array()), ..known.striker };
+        Hit::blow(set.mesh().positions()[v].to_array(), Blow::of_striker(striker))
+    };
+    (0..count).map(blow).collect()
 }
 
 /// The marks of hits.
