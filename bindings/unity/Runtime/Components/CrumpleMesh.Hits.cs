@@ -163,7 +163,7 @@ namespace Crumple
             try
             {
                 Transform space = filter.transform;
-                CrumpleImpulseDef def = CrumpleImpulseDef.Default;
+                CrumpleHitDef def = CrumpleHitDef.Default;
                 def.Point = MeshMatch.ToCrumple(space.InverseTransformPoint(worldPoint));
                 def.Impulse = MeshMatch.ToCrumple(space.InverseTransformVector(worldImpulse));
                 def.Duration = duration;
@@ -172,7 +172,7 @@ namespace Crumple
                 def.Striker = new CrumpleStriker(strikerMass, strikerRadius,
                     MeshMatch.ToCrumple(space.InverseTransformVector(worldStrikerVelocity)));
                 def.ContactId = contact;
-                result = instance.SubmitImpulse(in def);
+                result = instance.Submit(in def);
             }
             catch (CrumpleException error)
             {

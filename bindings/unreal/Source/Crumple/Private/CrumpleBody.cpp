@@ -47,7 +47,7 @@ void FCrumpleBody::Release()
 
 bool FCrumpleBody::Submit(const FCrumpleHit& Hit, CrumpleHitResult& OutTold, FString& OutError)
 {
-	CrumpleImpulseDef Def = crumple_impulse_def_default();
+	CrumpleHitDef Def = crumple_hit_def_default();
 	Def.point = Shape->Space.PointToSet(Hit.Point);
 	Def.impulse = Shape->Space.ImpulseToSet(Hit.Impulse);
 	Def.normal = Shape->Space.DirectionToSet(Hit.Normal);
@@ -66,7 +66,7 @@ bool FCrumpleBody::Submit(const FCrumpleHit& Hit, CrumpleHitResult& OutTold, FSt
 	CrumpleResult Result = CRUMPLE_OK;
 	if (Hit.bInwards)
 	{
-		Result = crumple_instance_preview_impulse(Context, Instance, &Def, &OutTold);
+		Result = crumple_instance_preview_hit(Context, Instance, &Def, &OutTold);
 		if (Result == CRUMPLE_OK)
 		{
 			const CrumpleVec3& Out = Shape->Normals[OutTold.contact_vertex];
@@ -82,7 +82,7 @@ bool FCrumpleBody::Submit(const FCrumpleHit& Hit, CrumpleHitResult& OutTold, FSt
 	}
 	if (Result == CRUMPLE_OK)
 	{
-		Result = crumple_instance_submit_impulse(Context, Instance, &Def, &OutTold);
+		Result = crumple_instance_submit_hit(Context, Instance, &Def, &OutTold);
 	}
 	if (Result != CRUMPLE_OK)
 	{
