@@ -39,11 +39,13 @@ struct Grid {
                 indices.insert(indices.end(), {a, a + 1, b + 1, a, b + 1, b});
             }
     }
-    void describe(CrumpleMeshDef &mesh) const {
+    CrumpleMeshDef def() const {
+        CrumpleMeshDef mesh = crumple_mesh_def_default();
         mesh.vertex_count = uint32_t(positions.size());
         mesh.positions = crumple::input(positions);
         mesh.index_count = uint32_t(indices.size());
         mesh.indices = crumple::input(indices);
+        return mesh;
     }
 };
 
@@ -56,14 +58,13 @@ crumple::ExampleSet make_set(crumple::Context &context, const Grid &fine, const 
     }
     CrumpleExampleDef example = crumple_example_def_default();
     example.target_positions = crumple::input(target);
+    const CrumpleMeshDef mesh = fine.def();
     CrumpleExampleSetDef def = crumple_example_set_def_default();
-    fine.describe(def.mesh);
+    def.mesh = &mesh;
     def.examples = &example;
     def.example_count = 1;
     crumple::ExampleSet set = context.create_example_set(def).value();
-    CrumpleLodDef lod = crumple_lod_def_default();
-    coarse.describe(lod.mesh);
-    set.add_lod(lod).value();
+    set.add_lod(coarse.def()).value();
     return set;
 }
 

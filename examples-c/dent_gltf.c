@@ -107,11 +107,12 @@ int main(int argc, char **argv) {
     uint32_t hit_vertices[2] = {info.vertex_count / 4, info.vertex_count / 3 * 2};
     for (int i = 0; i < 2; ++i) {
         const Vertex *at = &base[hit_vertices[i]];
-        CrumpleDisplacementDef hit = crumple_displacement_def_default();
+        CrumpleHitDef hit = crumple_hit_def_default();
+        hit.kind = CRUMPLE_HIT_KIND_DISPLACEMENT;
         hit.point = (CrumpleVec3){at->position[0], at->position[1], at->position[2]};
         hit.displacement = (CrumpleVec3){-0.03f * at->normal[0], -0.03f * at->normal[1], -0.03f * at->normal[2]};
         CrumpleHitResult told;
-        check(crumple_instance_submit_displacement(context, instance, &hit, &told));
+        check(crumple_instance_submit_hit(context, instance, &hit, &told));
         printf("hit at (%.2f, %.2f, %.2f): %u examples, the first is %u (%s)\n", hit.point.x, hit.point.y, hit.point.z,
                told.chosen_count, told.chosen[0].example, told.chosen[0].anchored ? "anchored" : "carried");
         fact(told.status == CRUMPLE_HIT_STATUS_MARKED, "the hit left a mark");

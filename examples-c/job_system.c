@@ -128,11 +128,13 @@ static void scene(CrumpleTaskSystem tasks, uint32_t threads, float (*vertices)[6
         examples[e] = crumple_example_def_default();
         examples[e].target_positions = (CrumpleInput){targets[e], sizeof targets[e], sizeof targets[e][0]};
     }
+    CrumpleMeshDef mesh = crumple_mesh_def_default();
+    mesh.vertex_count = VERTICES;
+    mesh.positions = (CrumpleInput){base, sizeof base, sizeof base[0]};
+    mesh.index_count = INDICES;
+    mesh.indices = (CrumpleInput){indices, sizeof indices, sizeof indices[0]};
     CrumpleExampleSetDef set_def = crumple_example_set_def_default();
-    set_def.mesh.vertex_count = VERTICES;
-    set_def.mesh.positions = (CrumpleInput){base, sizeof base, sizeof base[0]};
-    set_def.mesh.index_count = INDICES;
-    set_def.mesh.indices = (CrumpleInput){indices, sizeof indices, sizeof indices[0]};
+    set_def.mesh = &mesh;
     set_def.examples = examples;
     set_def.example_count = EXAMPLES;
     CrumpleExampleSet set;
@@ -148,10 +150,11 @@ static void scene(CrumpleTaskSystem tasks, uint32_t threads, float (*vertices)[6
     CrumpleBuffer buffer;
     check(crumple_buffer_register_host(context, instance, &buffer_def, &buffer));
     for (int i = 0; i < HITS; ++i) {
-        CrumpleDisplacementDef hit = crumple_displacement_def_default();
+        CrumpleHitDef hit = crumple_hit_def_default();
+        hit.kind = CRUMPLE_HIT_KIND_DISPLACEMENT;
         hit.point = (CrumpleVec3){(float)(i * 37 % 100) / 100 - 0.5f, (float)(i * 61 % 100) / 100 - 0.5f, 0.07f};
         hit.displacement = (CrumpleVec3){0, 0, -0.001f * (float)(5 + i)};
-        check(crumple_instance_submit_displacement(context, instance, &hit, NULL));
+        check(crumple_instance_submit_hit(context, instance, &hit, NULL));
         if (i % 10 == 9) check(crumple_context_deform(context, NULL, 0, NULL));
     }
     check(crumple_context_destroy(context));

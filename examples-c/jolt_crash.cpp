@@ -99,7 +99,7 @@ float told(crumple::Context &context, const Hood &hood) {
     crumple::Instance instance = context.create_instance(hood.set).value();
     std::vector<CrumpleVec3> drawn(hood.rest.size());
     const crumple::Buffer buffer = instance.register_buffer(crumple::stream(drawn)).value();
-    CrumpleImpulseDef hit = crumple_impulse_def_default();
+    CrumpleHitDef hit = crumple_hit_def_default();
     hit.point = {0.1f, 0.15f, 0.07f};
     hit.impulse = {0, 0, -MASS * SPEED};
     hit.striker.mass = MASS;

@@ -55,11 +55,13 @@ int main(void) {
     check(crumple_context_create(&context_def, &context));
     CrumpleExampleDef example = crumple_example_def_default();
     example.target_positions = (CrumpleInput){dented, sizeof dented, sizeof dented[0]};
+    CrumpleMeshDef mesh = crumple_mesh_def_default();
+    mesh.vertex_count = VERTICES;
+    mesh.positions = (CrumpleInput){base, sizeof base, sizeof base[0]};
+    mesh.index_count = INDICES;
+    mesh.indices = (CrumpleInput){indices, sizeof indices, sizeof indices[0]};
     CrumpleExampleSetDef set_def = crumple_example_set_def_default();
-    set_def.mesh.vertex_count = VERTICES;
-    set_def.mesh.positions = (CrumpleInput){base, sizeof base, sizeof base[0]};
-    set_def.mesh.index_count = INDICES;
-    set_def.mesh.indices = (CrumpleInput){indices, sizeof indices, sizeof indices[0]};
+    set_def.mesh = &mesh;
     set_def.examples = &example;
     set_def.example_count = 1;
     CrumpleExampleSet set;
@@ -83,10 +85,11 @@ int main(void) {
 
     start = clock();
     for (int i = 0; i < HITS; ++i) {
-        CrumpleDisplacementDef hit = crumple_displacement_def_default();
+        CrumpleHitDef hit = crumple_hit_def_default();
+        hit.kind = CRUMPLE_HIT_KIND_DISPLACEMENT;
         hit.point = (CrumpleVec3){unit_random() - 0.5f, unit_random() - 0.5f, 0};
         hit.displacement = (CrumpleVec3){0, 0, -0.01f - 0.03f * unit_random()};
-        check(crumple_instance_submit_displacement(context, instances[i % INSTANCES], &hit, NULL));
+        check(crumple_instance_submit_hit(context, instances[i % INSTANCES], &hit, NULL));
     }
     double time = milliseconds(start);
     printf("%d hits submitted in %.1f ms: %.2f us each\n", HITS, time, 1e3 * time / HITS);
@@ -100,10 +103,11 @@ int main(void) {
     fact(report.vertices_written == (uint64_t)SEEN * VERTICES, "the first deform writes every vertex of what is seen");
 
     // After one more hit, only the blocks that it touched are written.
-    CrumpleDisplacementDef hit = crumple_displacement_def_default();
+    CrumpleHitDef hit = crumple_hit_def_default();
+    hit.kind = CRUMPLE_HIT_KIND_DISPLACEMENT;
     hit.point = (CrumpleVec3){0.3f, 0.3f, 0};
     hit.displacement = (CrumpleVec3){0, 0, -0.02f};
-    check(crumple_instance_submit_displacement(context, instances[7], &hit, NULL));
+    check(crumple_instance_submit_hit(context, instances[7], &hit, NULL));
     start = clock();
     check(crumple_context_deform(context, buffers, SEEN, &report));
     printf("one more hit: %llu vertices written in %.2f ms\n", (unsigned long long)report.vertices_written,

@@ -36,11 +36,13 @@ int main(void) {
 
     CrumpleExampleDef example = crumple_example_def_default();
     example.target_positions = (CrumpleInput){dented, sizeof dented, sizeof dented[0]};
+    CrumpleMeshDef mesh = crumple_mesh_def_default();
+    mesh.vertex_count = VERTICES;
+    mesh.positions = (CrumpleInput){base, sizeof base, sizeof base[0]};
+    mesh.index_count = INDICES;
+    mesh.indices = (CrumpleInput){indices, sizeof indices, sizeof indices[0]};
     CrumpleExampleSetDef set_def = crumple_example_set_def_default();
-    set_def.mesh.vertex_count = VERTICES;
-    set_def.mesh.positions = (CrumpleInput){base, sizeof base, sizeof base[0]};
-    set_def.mesh.index_count = INDICES;
-    set_def.mesh.indices = (CrumpleInput){indices, sizeof indices, sizeof indices[0]};
+    set_def.mesh = &mesh;
     set_def.examples = &example;
     set_def.example_count = 1;
     set_def.options.vertex_mass = 0.5f; // kg
@@ -60,12 +62,12 @@ int main(void) {
     if (!check(crumple_buffer_register_host(context, instance, &buffer_def, &buffer))) return 1;
 
     // 4. A contact from your physics engine: 2 N s downwards in 10 ms, 25 cm from the middle.
-    CrumpleImpulseDef hit = crumple_impulse_def_default();
+    CrumpleHitDef hit = crumple_hit_def_default();
     hit.point = (CrumpleVec3){0.25f, 0, 0};
     hit.impulse = (CrumpleVec3){0, 0, -2};
     hit.duration = 0.01f;
     CrumpleHitResult told;
-    if (!check(crumple_instance_submit_impulse(context, instance, &hit, &told))) return 1;
+    if (!check(crumple_instance_submit_hit(context, instance, &hit, &told))) return 1;
 
     // 5. Once a frame.
     if (!check(crumple_context_deform(context, NULL, 0, NULL))) return 1;

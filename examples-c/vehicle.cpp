@@ -129,21 +129,22 @@ crumple::ExampleSet make_set(crumple::Context &context, const std::vector<Mesh> 
         example.contact_point = dents[i].at;
         examples.push_back(example);
     }
-    const auto mesh = [](CrumpleMeshDef &to, const Mesh &from) {
+    const auto described = [](const Mesh &from) {
+        CrumpleMeshDef to = crumple_mesh_def_default();
         to.vertex_count = uint32_t(from.positions.size());
         to.positions = crumple::input(from.positions);
         to.index_count = uint32_t(from.indices.size());
         to.indices = crumple::input(from.indices);
+        return to;
     };
+    const CrumpleMeshDef mesh = described(whole);
     CrumpleExampleSetDef def = crumple_example_set_def_default();
-    mesh(def.mesh, whole);
+    def.mesh = &mesh;
     def.examples = examples.data();
     def.example_count = uint32_t(examples.size());
     crumple::ExampleSet set = context.create_example_set(def).value();
     for (size_t part = 0; part < parts.size(); ++part) {
-        CrumpleLodDef lod = crumple_lod_def_default();
-        mesh(lod.mesh, parts[part]);
-        fact(set.add_lod(lod).value() == part + 1, "parts are numbered in order");
+        fact(set.add_lod(described(parts[part])).value() == part + 1, "parts are numbered in order");
     }
     return set;
 }

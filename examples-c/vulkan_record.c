@@ -79,15 +79,17 @@ static void make_mesh(void) {
 }
 
 static CrumpleExampleSet make_set(CrumpleContext *context) {
-    const Vertex *mesh = uploaded + NEIGHBOURS;
+    const Vertex *vertices = uploaded + NEIGHBOURS;
     CrumpleExampleDef example = crumple_example_def_default();
     example.target_positions = (CrumpleInput){dented, sizeof dented, sizeof dented[0]};
+    CrumpleMeshDef mesh = crumple_mesh_def_default();
+    mesh.vertex_count = VERTICES;
+    mesh.positions = (CrumpleInput){vertices->position, (VERTICES - 1) * sizeof(Vertex) + 12, sizeof(Vertex)};
+    mesh.normals = (CrumpleInput){vertices->normal, (VERTICES - 1) * sizeof(Vertex) + 12, sizeof(Vertex)};
+    mesh.index_count = INDICES;
+    mesh.indices = (CrumpleInput){indices, sizeof indices, sizeof indices[0]};
     CrumpleExampleSetDef def = crumple_example_set_def_default();
-    def.mesh.vertex_count = VERTICES;
-    def.mesh.positions = (CrumpleInput){mesh->position, (VERTICES - 1) * sizeof(Vertex) + 12, sizeof(Vertex)};
-    def.mesh.normals = (CrumpleInput){mesh->normal, (VERTICES - 1) * sizeof(Vertex) + 12, sizeof(Vertex)};
-    def.mesh.index_count = INDICES;
-    def.mesh.indices = (CrumpleInput){indices, sizeof indices, sizeof indices[0]};
+    def.mesh = &mesh;
     def.examples = &example;
     def.example_count = 1;
     def.options.vertex_mass = 0.5f; // kg
@@ -213,12 +215,12 @@ int main(void) {
         // Your physics engine may report contacts at any time and from any thread. Here: 1.5 N s downwards in frames 3 and 6.
         const bool hit_now = number == 3 || number == 6;
         if (hit_now) {
-            CrumpleImpulseDef hit = crumple_impulse_def_default();
+            CrumpleHitDef hit = crumple_hit_def_default();
             hit.point = (CrumpleVec3){number == 3 ? 0.2f : -0.15f, 0.1f, 0};
             hit.impulse = (CrumpleVec3){0, 0, -1.5f};
             hit.duration = 0.01f;
-            CHECK(crumple_instance_submit_impulse(context, body, &hit, NULL));
-            CHECK(crumple_instance_submit_impulse(context, twin, &hit, NULL));
+            CHECK(crumple_instance_submit_hit(context, body, &hit, NULL));
+            CHECK(crumple_instance_submit_hit(context, twin, &hit, NULL));
         }
 
         const VkCommandBufferBeginInfo begin = {VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, NULL,

@@ -9,36 +9,27 @@
 //                     the file from glTF or OBJ, and so do crumple_import.h and crumple_build.h
 //   3. Instances      crumple_instance_create, ..._set_transform: one per body in the scene
 //   4. Hits           crumple_context_report_contacts for every contact point of the physics engine, and
-//                     crumple_context_step_contacts once a step; or single hits by crumple_instance_submit_impulse
+//                     crumple_context_step_contacts once a step; or single hits: crumple_instance_submit_hit
 //   5. Damage         crumple_instance_get_marks, ..._save_damage, ..._load_damage, ..._repair_damage: a short list of
 //                     marks, to save or to send over the network
 //   6. Deformation    crumple_buffer_register_host for your vertex memory; once a frame crumple_context_deform, then
 //                     crumple_context_get_changed_buffers and crumple_buffer_get_changes for uploads and bounds
-//   7. Limits         crumple_instance_set_view: the level of detail that a distance allows;
-//                     crumple_context_set_vertex_budget: the most vertices to write in a frame
 //
 // What few need is in headers of its own, which include this one:
 //   crumple_build.h   example sets from arrays, levels of detail, baking, damage for a changed mesh
 //   crumple_import.h  example sets from glTF and OBJ files
-//   crumple_parts.h   bodies of parts that come off; lamps and other points that follow the surface
+//   crumple_parts.h   parts that come off; lamps and other points that follow the surface; colliders
 //   crumple_vulkan.h  deformation in your VkCommandBuffer, or on a Vulkan device of Crumple's own
 //   crumple_graph.h   deformation in passes of your own render graph
+//   crumple_host.h    your allocator; sets in several contexts
 //
-// Results. Calls that can fail return a CrumpleResult, and crumple_last_error() returns the message. Calls that return
-// something else cannot fail. A failed call changes nothing, and everything stays usable. Outputs are written only on
-// success, except for counts (see "Arrays"). No call prints, throws, raises a signal or aborts the process (but see
-// "Memory").
+// Results. Calls that can fail return a CrumpleResult, and crumple_last_error() returns the message. A failed call changes
+// nothing, and everything stays usable. Outputs are written only on success, except for counts (see "Arrays"). No call
+// prints, throws, raises a signal or aborts the process (but see "Memory").
 //
-// Every call may return these errors, for the causes on the right. A call's comment adds only other errors and causes:
-//   CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_MISALIGNED    a pointer argument, or an array in a def
-//   CRUMPLE_ERROR_STRUCT_SIZE                               a def with a wrong struct_size
-//   CRUMPLE_ERROR_INVALID_ID                                a null, destroyed or foreign id, a destroyed context
-//   CRUMPLE_ERROR_INVALID_ARGUMENT                          an enumerator, a number outside its range, a small stride,
-//                                                           overlapping streams, text that is not UTF-8
-//   CRUMPLE_ERROR_NOT_FINITE                                NaN or infinity
-//   CRUMPLE_ERROR_INDEX_OUT_OF_RANGE                        an index or a lod that is not below its count
-//   CRUMPLE_ERROR_BUFFER_TOO_SMALL                          an array with too few bytes or elements
-//   CRUMPLE_ERROR_OUT_OF_MEMORY, CRUMPLE_ERROR_CONCURRENT_USE, CRUMPLE_ERROR_INTERNAL
+// Every call may return CRUMPLE_ERROR_INVALID_ARGUMENT, ..._NOT_FINITE, ..._INDEX_OUT_OF_RANGE, ..._BUFFER_TOO_SMALL,
+// ..._MISALIGNED, ..._NULL_POINTER, ..._STRUCT_SIZE, ..._INVALID_ID, ..._CONCURRENT_USE, ..._OUT_OF_MEMORY and ..._INTERNAL
+// for the causes at CrumpleResult. A call's comment adds only other errors and causes.
 //
 // Ownership. Crumple owns what it creates; you hold an id, a small struct by value. An id of zeros is null. Compare ids
 // field by field. An id is invalid after its destroy or unregister call; using it is an error, never a crash. An id
@@ -56,9 +47,9 @@
 // alignment.
 //
 // Threads. Two threads must not use one context at the same time, and callbacks must not call back into it. Either
-// returns CRUMPLE_ERROR_CONCURRENT_USE, in every build. Contexts are independent. Some functions may be called from any
-// thread at any time, except while what they use is being destroyed: those without a context argument, those whose
-// comments say so, and crumple_context_submit_..., crumple_instance_submit_..., ..._preview_... and ..._end_contact.
+// returns CRUMPLE_ERROR_CONCURRENT_USE, in every build. Contexts are independent. "Any thread" at a function means that
+// any thread may call it at any time, except while the instance or context is being destroyed. So may functions without a
+// context argument. Do not use a context in the child of a fork().
 //
 // Reads. Hits are pending until the instance's damage is next read: by a deform or recording of one of its buffers or of
 // all buffers, and by the calls that return, save, repair, measure or take apart its damage. The result does not depend
@@ -73,8 +64,6 @@
 // of hits, a call returns CRUMPLE_ERROR_OUT_OF_MEMORY and changes nothing. Without memory for something smaller, or for
 // what a parser or a search tree allocates, the process aborts. Frames without hits allocate nothing.
 //
-// Do not fork() a process with a live context and use the context in the child.
-//
 // This file is generated from the library's source by `cargo xtask header`; do not edit it.
 
 #ifndef CRUMPLE_H
@@ -84,30 +73,25 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/// Major version of this header. Libraries of another major version are incompatible.
+/// The version of this header. Libraries of another major or, before 1.0, minor version do not fit.
 #define CRUMPLE_VERSION_MAJOR 0
-/// Minor version of this header. Before 1.0, libraries of another minor version are incompatible.
 #define CRUMPLE_VERSION_MINOR 1
-
 #define CRUMPLE_VERSION_PATCH 0
 /// The version of this header as one number, in the format of crumple_version().
 #define CRUMPLE_VERSION (((CRUMPLE_VERSION_MAJOR * 1000000) + (CRUMPLE_VERSION_MINOR * 1000)) + CRUMPLE_VERSION_PATCH)
-/// Bit of crumple_features(): the library loads glTF 2.0 and GLB files.
+/// Bits of crumple_features(): what the library was built with.
 #define CRUMPLE_FEATURE_GLTF 1
-/// Bit of crumple_features(): the library loads OBJ files.
 #define CRUMPLE_FEATURE_OBJ 2
-/// Bit of crumple_features(): crumple_allocator_set() works.
 #define CRUMPLE_FEATURE_HOST_ALLOCATOR 4
-/// Bit of crumple_features(): crumple_vulkan_attach() works.
 #define CRUMPLE_FEATURE_VULKAN 8
+
 /// The result of a call. See "Results" at the top.
 typedef enum CrumpleResult {
     CRUMPLE_OK = 0,
-    /// A value is outside its range, or the call is not allowed in the current state.
+    /// A number outside its range, no enumerator, a stride that is too small, streams that overlap, text that is not
+    /// UTF-8, or a call that is not allowed in the current state.
     CRUMPLE_ERROR_INVALID_ARGUMENT = 1,
-    /// A number is NaN or infinite.
     CRUMPLE_ERROR_NOT_FINITE = 2,
-    /// An index is not below its count.
     CRUMPLE_ERROR_INDEX_OUT_OF_RANGE = 3,
     /// The base mesh cannot be used.
     CRUMPLE_ERROR_MESH = 4,
@@ -123,23 +107,20 @@ typedef enum CrumpleResult {
     CRUMPLE_ERROR_UNSUPPORTED = 9,
     /// A file is malformed, or bytes in memory are.
     CRUMPLE_ERROR_FORMAT = 10,
-    /// The operating system refused to read or write a file.
+    /// The system refused to read or write a file.
     CRUMPLE_ERROR_IO = 11,
     /// The damage belongs to another example set, rule or version.
     CRUMPLE_ERROR_DAMAGE_MISMATCH = 12,
-    /// Memory ran out. See "Memory" at the top.
     CRUMPLE_ERROR_OUT_OF_MEMORY = 13,
     /// The call does not work with the instance's rule.
     CRUMPLE_ERROR_WRONG_RULE = 14,
-    /// A Vulkan function failed.
     CRUMPLE_ERROR_VULKAN = 15,
     /// The Vulkan device is lost. Damage is not lost.
     CRUMPLE_ERROR_DEVICE_LOST = 16,
-    /// A required pointer is null.
     CRUMPLE_ERROR_NULL_POINTER = 64,
     /// The struct_size of a def is wrong. Start from the def's crumple_..._def_default function.
     CRUMPLE_ERROR_STRUCT_SIZE = 65,
-    /// An id is null or of another context, or an id or a context was destroyed.
+    /// An id is null or of another context, or its object or the context was destroyed.
     CRUMPLE_ERROR_INVALID_ID = 66,
     /// Two threads used one context at once, or a callback called back into its context.
     CRUMPLE_ERROR_CONCURRENT_USE = 67,
@@ -160,9 +141,8 @@ typedef enum CrumpleLogLevel {
 typedef enum CrumpleBytes {
     /// The bytes are copied. Free them after the call.
     CRUMPLE_BYTES_COPY = 0,
-    /// The bytes are used in place. They must stay readable and unchanged until the set and all its instances are
-    /// destroyed, or the context is; if the set is shared, in all its contexts. Bytes whose address is not a multiple of
-    /// 16 are copied.
+    /// The bytes are used in place. They must stay readable and unchanged until the set, all its instances and its
+    /// shared copies are destroyed. Bytes whose address is not a multiple of 16 are copied.
     CRUMPLE_BYTES_KEEP = 1,
 } CrumpleBytes;
 
@@ -185,6 +165,17 @@ typedef enum CrumpleSelection {
     /// Without the weight limit. Diverges at weights above 2.
     CRUMPLE_SELECTION_CLASSIC_UNCLAMPED = 1,
 } CrumpleSelection;
+
+/// How a hit is given.
+typedef enum CrumpleHitKind {
+    /// As a blow: by its impulse, or by the mass and velocity of the striker. If any example of the set knows its blow,
+    /// the set predicts the displacement of the contact: give as much of the blow as the engine knows. Otherwise the
+    /// displacement is impulse * the instance's compliance, or impulse * duration / mass. The default.
+    CRUMPLE_HIT_KIND_BLOW = 0,
+    /// As the displacement of the contact, for engines with their own impulse-to-depth mapping. The dent does not depend
+    /// on the frame rate. The fields of blows are unused.
+    CRUMPLE_HIT_KIND_DISPLACEMENT = 1,
+} CrumpleHitKind;
 
 /// The space that a hit is given in.
 typedef enum CrumpleSpace {
@@ -231,23 +222,6 @@ typedef enum CrumpleDirectionFormat {
 /// A context holds example sets, instances and buffers. Opaque.
 typedef struct CrumpleContext CrumpleContext;
 
-/// Returns size bytes aligned to align (a power of two, at least 16), or null. Must be thread-safe. Must not call
-/// Crumple, throw or longjmp out.
-typedef void *(*CrumpleAlloc)(size_t size, size_t align, void *user);
-
-/// Frees memory from CrumpleAlloc; size and align are the values it was allocated with. Must be thread-safe. Must not
-/// call Crumple, throw or longjmp out.
-typedef void (*CrumpleFree)(void *pointer, size_t size, size_t align, void *user);
-
-/// The host's allocator. Both functions are required.
-typedef struct CrumpleAllocatorDef {
-    uint32_t struct_size;
-    CrumpleAlloc alloc;
-    CrumpleFree free;
-    /// Passed to both. May be null.
-    void *user;
-} CrumpleAllocatorDef;
-
 /// Receives one message, UTF-8, without a line break at its end. The text is valid only during the callback. Runs on
 /// the thread that called Crumple. Must not call the same context, throw or longjmp out.
 typedef void (*CrumpleLog)(CrumpleLogLevel level, const char *message, void *user);
@@ -257,8 +231,8 @@ typedef void (*CrumpleTask)(uint32_t index, void *task_data);
 
 /// Your parallel-for. Calls task(index, task_data) once for each index below count, on any threads and in any order,
 /// and returns when all calls have returned. Tasks may run concurrently, and do not block or throw. Crumple runs any
-/// index that you skip, and ignores repeated ones. This function runs on the thread that called Crumple. It must not
-/// throw or longjmp out. With the same context it may call only functions allowed at any time; see "Threads".
+/// index that you skip, and ignores repeated ones. Runs on the thread that called Crumple; must not throw or longjmp
+/// out. With the same context it may call only functions for any thread; see "Threads".
 typedef void (*CrumpleParallelFor)(uint32_t count, CrumpleTask task, void *task_data, void *user);
 
 /// The host's job system. All fields zero: Crumple uses its own threads.
@@ -287,32 +261,6 @@ typedef struct CrumpleExampleSet {
     uint16_t context;
 } CrumpleExampleSet;
 
-/// An array that Crumple writes. Element i is at data + offset + i * stride. Positions and normals are 3 floats,
-/// tangents 4 floats, indices one uint32_t, unless the def has another format. Bytes between elements are not touched, so
-/// streams may be interleaved. All fields zero: absent.
-typedef struct CrumpleStream {
-    /// Start of the memory, aligned to 4 bytes. Null: absent.
-    void *data;
-    /// Writable bytes at data: at least offset + (count - 1) * stride + the size of one element.
-    size_t size;
-    /// Bytes from data to the first element, a multiple of 4.
-    size_t offset;
-    /// Bytes from one element to the next: at least the size of one element, a multiple of 4. 0 is an error.
-    size_t stride;
-} CrumpleStream;
-
-/// Where to copy a mesh: positions (m), unit normals, tangents and 3 * triangle_count indices. Absent streams are
-/// skipped.
-typedef struct CrumpleMeshCopyDef {
-    uint32_t struct_size;
-    /// Which mesh: 0 for the base mesh, or a number from crumple_example_set_add_lod(). Default 0.
-    uint32_t lod;
-    CrumpleStream positions;
-    CrumpleStream normals;
-    CrumpleStream tangents;
-    CrumpleStream indices;
-} CrumpleMeshCopyDef;
-
 /// A point or a vector.
 typedef struct CrumpleVec3 {
     float x;
@@ -336,7 +284,7 @@ typedef struct CrumpleExampleSetInfo {
     uint32_t vertex_count;
     uint32_t triangle_count;
     uint32_t example_count;
-    /// Parts of the mesh with their own material, at least 1.
+    /// Stretches of the mesh with a material of their own, at least 1; see crumple_import.h.
     uint32_t primitive_count;
     /// Number of positions that several vertices share.
     uint32_t seam_count;
@@ -350,12 +298,37 @@ typedef struct CrumpleExampleSetInfo {
     uint32_t lod_count;
     /// Number of examples that know their blow. From 1 on, the set predicts what an impulse leaves.
     uint32_t blow_count;
-    /// How well the other examples predict an example's displacements, and its depth: median error, 0 exact, 1 as if
-    /// they predicted no dent. Negative if unknown.
+    /// How well the other examples predict an example's displacements, and its depth: median error, 0 exact, 1 no
+    /// better than no dent. Negative if unknown.
     float field_error;
     float depth_error;
     uint64_t reserved[2];
 } CrumpleExampleSetInfo;
+
+/// An array that Crumple writes. Element i is at data + offset + i * stride. Positions and normals are 3 floats,
+/// tangents 4 floats, indices one uint32_t, unless the def has another format. Bytes between elements are not touched, so
+/// streams may be interleaved. All fields zero: absent.
+typedef struct CrumpleStream {
+    /// Start of the memory, aligned to 4 bytes. Null: absent.
+    void *data;
+    /// Writable bytes at data: at least offset + (count - 1) * stride + the size of one element.
+    size_t size;
+    /// Bytes from data to the first element, a multiple of 4.
+    size_t offset;
+    /// Bytes from one element to the next: at least the size of one element, a multiple of 4. 0 is an error.
+    size_t stride;
+} CrumpleStream;
+
+/// Where to copy a mesh: positions (m), unit normals, tangents, 3 * triangle_count indices. Absent ones are skipped.
+typedef struct CrumpleMeshCopyDef {
+    uint32_t struct_size;
+    /// Which mesh: 0 for the base mesh, or a number from crumple_example_set_add_lod(). Default 0.
+    uint32_t lod;
+    CrumpleStream positions;
+    CrumpleStream normals;
+    CrumpleStream tangents;
+    CrumpleStream indices;
+} CrumpleMeshCopyDef;
 
 /// Options of an instance.
 typedef struct CrumpleInstanceDef {
@@ -364,6 +337,8 @@ typedef struct CrumpleInstanceDef {
     uint32_t examples_per_hit;
     /// The example set, which the instance keeps alive. Required.
     CrumpleExampleSet set;
+    /// Any number of yours, such as an entity or a pointer. Default 0.
+    uint64_t user_data;
     CrumpleRule rule;
     /// How a classic rule selects an example. CRUMPLE_RULE_MARKS needs the default.
     CrumpleSelection selection;
@@ -421,21 +396,22 @@ typedef struct CrumpleStriker {
     float mass;
     /// Radius of its surface at the contact, m: small for a corner, large for a flat face.
     float radius;
-    /// Velocity relative to the struck body before the touch, m/s.
+    /// Its velocity relative to the struck body before the touch, m/s.
     CrumpleVec3 velocity;
     /// Its shape at the contact: 0 unknown, 1 a ball or anything round, 2 a pole or an edge, 3 a corner, 4 a wall or any flat face.
     uint32_t shape;
 } CrumpleStriker;
 
-/// A hit given as a blow. point and vectors are in the given space (default CRUMPLE_SPACE_LOCAL). Give impulse, or mass
-/// and velocity of the striker. Report a contact once with its whole impulse, or in parts with a contact_id. If any
-/// example of the set knows its blow, the set predicts the displacement of the contact: give as much of the blow as the
-/// engine knows. Otherwise the displacement is impulse * the instance's compliance, or impulse * duration / mass.
-typedef struct CrumpleImpulseDef {
+/// A hit. Report a contact once with its whole impulse, or in parts with a contact_id.
+typedef struct CrumpleHitDef {
     uint32_t struct_size;
+    CrumpleHitKind kind;
+    /// The space of point and of all vectors. Default CRUMPLE_SPACE_LOCAL.
     CrumpleSpace space;
     /// Where the body was hit, m. The nearest vertex becomes the contact.
     CrumpleVec3 point;
+    /// For CRUMPLE_HIT_KIND_DISPLACEMENT: the target displacement of the contact, m.
+    CrumpleVec3 displacement;
     /// The impulse on the body, N s. Default 0: striker.mass * striker.velocity. If that is 0 too, there is no mark.
     CrumpleVec3 impulse;
     /// How long the impulse acted, s: a constant of the material such as 0.01, not the time step. Required if no example
@@ -448,18 +424,7 @@ typedef struct CrumpleImpulseDef {
     CrumpleStriker striker;
     /// The contact that the hit is part of; see crumple_instance_end_contact(). Default 0: none.
     uint64_t contact_id;
-} CrumpleImpulseDef;
-
-/// A hit given as the desired contact displacement, for engines with their own impulse-to-depth mapping. The dent does
-/// not depend on the frame rate. Fields without a comment are as in CrumpleImpulseDef.
-typedef struct CrumpleDisplacementDef {
-    uint32_t struct_size;
-    CrumpleSpace space;
-    CrumpleVec3 point;
-    /// Target displacement of the contact, m.
-    CrumpleVec3 displacement;
-    uint64_t contact_id;
-} CrumpleDisplacementDef;
+} CrumpleHitDef;
 
 /// An example that a hit uses.
 typedef struct CrumpleChosen {
@@ -484,15 +449,13 @@ typedef struct CrumplePair {
     uint16_t share;
 } CrumplePair;
 
-/// One dent: contact, depth and examples. Plain data, 32 bytes, little-endian, equal on all machines: send or save it
-/// as is.
+/// One dent. Plain data, 32 bytes, little-endian, equal on all machines: send or save it as is.
 typedef struct CrumpleMark {
     /// The vertex that was hit.
     uint32_t contact;
     /// Requested depth at the contact, m, above 0.
     float depth;
-    /// How many hits of this depth the mark stands for, times 2^32: 4294967296 for one. Hits that repeat the mark add
-    /// to it.
+    /// How many hits of this depth it stands for, times 2^32: 4294967296 for one. Hits that repeat it add to it.
     uint64_t energy;
     /// Up to four examples. Used pairs come first. If the first has the example 65534, they are the numbers of a hit whose dent
     /// the set predicts (docs/model.md, "A mark of a learned set").
@@ -578,7 +541,8 @@ typedef struct CrumpleContactPointDef {
     float impulse;
     /// Masses of a and b, kg; INFINITY for a static or kinematic body. Default 0: unknown.
     float masses[2];
-    /// How easily the two move at the point along the normal, with rotation, 1/kg. Default 0: 1/m_a + 1/m_b.
+    /// Inverse of the effective mass of the two at the point along the normal, with rotation, 1/kg. Default 0: 1/m_a +
+    /// 1/m_b.
     float inverse_mass;
     /// Radii of the surfaces of a and b at the point, m: small for a corner, large for a flat face. Default 0: unknown.
     float radii[2];
@@ -590,15 +554,11 @@ typedef struct CrumpleContactPointDef {
 
 /// What steps of a context's contacts did.
 typedef struct CrumpleContactReport {
-    /// Points that were reported.
     uint64_t points;
-    /// Hits that instances got.
     uint64_t hits;
-    /// Touches that began.
+    /// Touches that began, ended, and last.
     uint64_t begun;
-    /// Touches that ended.
     uint64_t ended;
-    /// Touches that last.
     uint64_t open;
     /// Points that approached too slowly: resting, rolling and sliding bodies.
     uint64_t slow;
@@ -636,6 +596,8 @@ typedef struct CrumpleHostBufferDef {
     uint32_t struct_size;
     /// Which mesh: 0 for the base mesh, or a number from crumple_example_set_add_lod(). Default 0.
     uint32_t lod;
+    /// Any number of yours. Default 0.
+    uint64_t user_data;
     /// Positions, m. Required.
     CrumpleStream positions;
     /// Unit normals in normal_format. Absent: not written.
@@ -643,9 +605,7 @@ typedef struct CrumpleHostBufferDef {
     /// Tangents in tangent_format: xyz of unit length and orthogonal to the normal, w as in the mesh. Absent: not
     /// written.
     CrumpleStream tangents;
-    /// Format of normals. Default CRUMPLE_DIRECTION_FORMAT_FLOAT.
     CrumpleDirectionFormat normal_format;
-    /// Format of tangents. Default CRUMPLE_DIRECTION_FORMAT_FLOAT.
     CrumpleDirectionFormat tangent_format;
 } CrumpleHostBufferDef;
 
@@ -655,6 +615,18 @@ typedef struct CrumpleBuffer {
     uint16_t generation;
     uint16_t context;
 } CrumpleBuffer;
+
+/// What a buffer shows.
+typedef struct CrumpleBufferInfo {
+    CrumpleBuffer buffer;
+    CrumpleInstance instance;
+    /// The user_data of the buffer's def, and of the instance.
+    uint64_t user_data;
+    uint64_t instance_user_data;
+    /// Which mesh of the set.
+    uint32_t lod;
+    uint32_t reserved[3];
+} CrumpleBufferInfo;
 
 /// The work done by a deform. A block is a run of up to 128 consecutive vertices.
 typedef struct CrumpleDeformReport {
@@ -688,77 +660,50 @@ const char *crumple_version_string(void);
 /// Returns the CRUMPLE_FEATURE_ bits of this build, combined with or. Ignore bits that you do not know.
 uint64_t crumple_features(void);
 
-/// Returns the message of the calling thread's last failed call, as UTF-8: "crumple_instance_create: ...". It names the
-/// wrong value and what would be right. It is empty before the first failure; calls that succeed leave it unchanged.
-/// The text stays valid until the thread's next failed call. It has at most 1023 bytes and is never null.
+/// Returns the message of the calling thread's last failed call, UTF-8: "crumple_instance_create: ...". It names the
+/// wrong value and what would be right. Empty before the first failure; calls that succeed leave it unchanged. Valid
+/// until the thread's next failed call; at most 1023 bytes, never null.
 const char *crumple_last_error(void);
 
 /// Returns the name of a result, such as "CRUMPLE_ERROR_FORMAT", or "unknown result". The text stays valid for ever.
 const char *crumple_result_name(CrumpleResult result);
 
-/// Returns a def without functions. Set both.
-CrumpleAllocatorDef crumple_allocator_def_default(void);
-
-/// Makes the library allocate from your functions, in the whole process, at any time. Null restores the system's
-/// allocator. Each block is freed by the functions that allocated it, so they must stay callable. Destroying all
-/// contexts frees all blocks, except for a few kB per thread of Crumple's own, kept until process exit. Errors:
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (more than 15 different allocators in a process), CRUMPLE_ERROR_UNSUPPORTED (a build
-/// without CRUMPLE_FEATURE_HOST_ALLOCATOR).
-CrumpleResult crumple_allocator_set(const CrumpleAllocatorDef *allocator);
-
-/// Returns the default options: one thread per core, no log.
 CrumpleContextDef crumple_context_def_default(void);
-
-/// Creates a context. Data that its callbacks use must live until the context is destroyed. Any thread may call this.
-/// Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (more than 1024 threads, or 65535 contexts alive),
-/// CRUMPLE_ERROR_OUT_OF_MEMORY (the system cannot start the threads).
+/// Creates a context. Any thread may call this. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (more than 1024 threads, or
+/// 65535 contexts alive), CRUMPLE_ERROR_OUT_OF_MEMORY (the system cannot start the threads).
 CrumpleResult crumple_context_create(const CrumpleContextDef *def, CrumpleContext **out_context);
 
-/// Destroys a context and everything in it. It neither frees nor touches your own memory. The context and its ids
-/// become invalid. No other call may be running with this context. An attached Vulkan device must still exist.
-/// CRUMPLE_ERROR_FRAMES_IN_FLIGHT: nothing was destroyed; see crumple_vulkan_complete_frames().
+/// Destroys a context and everything in it, but neither frees nor touches your own memory. No other call may be running
+/// with this context. An attached Vulkan device must still exist. CRUMPLE_ERROR_FRAMES_IN_FLIGHT: nothing was
+/// destroyed; see crumple_vulkan_complete_frames().
 CrumpleResult crumple_context_destroy(CrumpleContext *context);
 
 /// Loads an example set from the size bytes of a .crumple file at data, written by "crumple bake" or
-/// crumple_example_set_save_baked(). Loading builds nothing and is fast. All bytes are validated. The set has one
-/// primitive, no name and no node transform. Errors: CRUMPLE_ERROR_FORMAT (damaged, cut short, or not a baked set),
-/// CRUMPLE_ERROR_UNSUPPORTED (another format version).
+/// crumple_example_set_save_baked(). Loading builds nothing, but checks all bytes. Errors: CRUMPLE_ERROR_FORMAT
+/// (damaged, cut short, or not a baked set), CRUMPLE_ERROR_UNSUPPORTED (another format version).
 CrumpleResult crumple_example_set_load_baked_memory(CrumpleContext *context, const void *data, size_t size,
                                                     CrumpleBytes bytes, CrumpleExampleSet *out_set);
 
-/// Like crumple_example_set_load_baked_memory(), but reads a file into memory. path is UTF-8. Also returns
-/// CRUMPLE_ERROR_IO.
+/// Like crumple_example_set_load_baked_memory(), but reads the file at path, UTF-8. Also returns CRUMPLE_ERROR_IO.
 CrumpleResult crumple_example_set_load_baked(CrumpleContext *context, const char *path, CrumpleExampleSet *out_set);
 
-/// Gives a set to another context too, without a copy, such as one that loads levels on another thread. Destroying the
-/// set in one does not affect the other. Both contexts are in use during the call. Add levels of detail before.
-/// CRUMPLE_ERROR_INVALID_ARGUMENT: other is context.
-CrumpleResult crumple_example_set_share(CrumpleContext *context, CrumpleExampleSet set, CrumpleContext *other,
-                                        CrumpleExampleSet *out_set);
+/// Returns whether an id is that of a set of the context. False while another thread is inside the context.
+bool crumple_example_set_is_valid(CrumpleContext *context, CrumpleExampleSet set);
 
 /// Destroys a set. Its id and the strings of its infos become invalid. Instances keep the set's memory and still work.
 CrumpleResult crumple_example_set_destroy(CrumpleContext *context, CrumpleExampleSet set);
-
-/// Returns a def without streams. Set those that you need.
-CrumpleMeshCopyDef crumple_mesh_copy_def_default(void);
 
 /// Returns facts about a set.
 CrumpleResult crumple_example_set_get_info(CrumpleContext *context, CrumpleExampleSet set,
                                            CrumpleExampleSetInfo *out_info);
 
+CrumpleMeshCopyDef crumple_mesh_copy_def_default(void);
 /// Copies the base mesh or a level of detail into your memory, for your vertex and index buffers. If the set was built
 /// without normals, they are the computed ones. CRUMPLE_ERROR_MESH: the mesh lacks the requested normals or tangents.
 CrumpleResult crumple_example_set_copy_mesh(CrumpleContext *context, CrumpleExampleSet set,
                                             const CrumpleMeshCopyDef *def);
 
-/// Finds the vertex of the base mesh nearest to a point in the mesh's space, m. The lowest index wins a tie. Either
-/// output may be null. out_distance is in m.
-CrumpleResult crumple_example_set_find_nearest_vertex(CrumpleContext *context, CrumpleExampleSet set, CrumpleVec3 point,
-                                                      uint32_t *out_vertex, float *out_distance);
-
-/// Returns the default options. Set the example set.
 CrumpleInstanceDef crumple_instance_def_default(void);
-
 /// Creates an undamaged instance.
 CrumpleResult crumple_instance_create(CrumpleContext *context, const CrumpleInstanceDef *def,
                                       CrumpleInstance *out_instance);
@@ -766,14 +711,22 @@ CrumpleResult crumple_instance_create(CrumpleContext *context, const CrumpleInst
 /// Destroys an instance and unregisters its buffers. Your memory keeps its contents.
 CrumpleResult crumple_instance_destroy(CrumpleContext *context, CrumpleInstance instance);
 
+/// Returns whether an id is that of an instance of the context. Any thread.
+bool crumple_instance_is_valid(CrumpleContext *context, CrumpleInstance instance);
+
+/// Sets the user_data of an instance. A released part begins with that of its body.
+CrumpleResult crumple_instance_set_user_data(CrumpleContext *context, CrumpleInstance instance, uint64_t user_data);
+
+/// Returns the user_data of an instance.
+CrumpleResult crumple_instance_get_user_data(CrumpleContext *context, CrumpleInstance instance, uint64_t *out_data);
+
 /// Returns the state of an instance.
 CrumpleResult crumple_instance_get_info(CrumpleContext *context, CrumpleInstance instance,
                                         CrumpleInstanceInfo *out_info);
 
 /// Sets the transform: local_to_world points to 16 floats, column-major (element 4 * column + row, as in glTF and
 /// Vulkan), translation in elements 12 to 14, m, last row 0 0 0 1. It may scale and shear, but must be invertible. Hits
-/// in CRUMPLE_SPACE_WORLD use its inverse at the time of the call, without translation for vectors. Deformed vertices
-/// are in the mesh's space. Any thread may call it at any time.
+/// in CRUMPLE_SPACE_WORLD use its inverse at the time of the call, without translation for vectors. Any thread.
 CrumpleResult crumple_instance_set_transform(CrumpleContext *context, CrumpleInstance instance,
                                              const float *local_to_world);
 
@@ -781,15 +734,14 @@ CrumpleResult crumple_instance_set_transform(CrumpleContext *context, CrumpleIns
 /// their full depth returns when the limit is raised.
 CrumpleResult crumple_instance_set_depth_limit(CrumpleContext *context, CrumpleInstance instance, float depth_limit);
 
-/// Sets the time, s, for instances with a grow_time. Call it once a frame before deforming. The vertices and attached
+/// Sets the time, s, for instances with a grow_time. Call it once a frame before deforming. Vertices and attached
 /// points of a dent that appears, changes or is repaired go evenly to where its mark puts them, from the time that was
-/// set when the change was read. Marks change at once. Damage that is set, loaded, copied or reset is shown at once.
+/// set when the change was read. Marks change at once, and so does damage that is set, loaded, copied or reset.
 CrumpleResult crumple_context_set_time(CrumpleContext *context, double time);
 
-/// Allows an error of up to tolerance in vertex positions, m, in the mesh's space. Deforming then skips small
-/// displacements and is cheaper. 0: none. Seams stay closed. The value is rounded down to a power of two in metres, so
-/// that you may set it from crumple_pixel_tolerance() every frame. When the rounded value changes, the next deform
-/// writes every dented block. Classic rules ignore it.
+/// Allows an error of up to tolerance in vertex positions, m, in the mesh's space: small displacements are skipped,
+/// which is cheaper. 0: none. Seams stay closed. Rounded down to a power of two in metres, so that you may set it every
+/// frame; when the rounded value changes, the next deform writes every dented block. Classic rules ignore it.
 CrumpleResult crumple_instance_set_tolerance(CrumpleContext *context, CrumpleInstance instance, float tolerance);
 
 /// Chooses how finely to show an instance where errors of so many pixels do not matter, such as 0.5. out_lod, which may
@@ -805,97 +757,66 @@ CrumpleResult crumple_instance_set_view(CrumpleContext *context, CrumpleInstance
 /// height of 0.
 float crumple_pixel_tolerance(float pixels, float distance, float fov_y, float viewport_height);
 
-/// Returns a zero impulse in the mesh's space. Set point and impulse, and what else is known.
-CrumpleImpulseDef crumple_impulse_def_default(void);
-
-/// Returns a zero displacement in the mesh's space. Set point and displacement.
-CrumpleDisplacementDef crumple_displacement_def_default(void);
-
+CrumpleHitDef crumple_hit_def_default(void);
 /// Submits a hit. The call selects the examples. The next read of the damage applies the mark (see "Reads" at the top).
 /// A hit that is too weak, or that no example fits, is not an error; see out_result->status. out_result may be null.
-/// With a contact_id, it describes this hit alone. May be called from any thread at any time, except while the instance
-/// or context is being destroyed. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a negative duration, mass or radius; no
-/// duration, or no mass in def and set, where they are needed), CRUMPLE_ERROR_CONTACT_TOO_FAR, CRUMPLE_ERROR_WRONG_RULE
-/// (a contact_id with a classic rule).
-CrumpleResult crumple_instance_submit_impulse(CrumpleContext *context, CrumpleInstance instance,
-                                              const CrumpleImpulseDef *def, CrumpleHitResult *out_result);
+/// With a contact_id, it describes this hit alone. Any thread. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a negative
+/// duration, mass or radius; no duration, or no mass in def and set, where they are needed),
+/// CRUMPLE_ERROR_CONTACT_TOO_FAR, CRUMPLE_ERROR_WRONG_RULE (a contact_id with a classic rule).
+CrumpleResult crumple_instance_submit_hit(CrumpleContext *context, CrumpleInstance instance, const CrumpleHitDef *def,
+                                          CrumpleHitResult *out_result);
 
-/// Like crumple_instance_submit_impulse(), but for a displacement.
-CrumpleResult crumple_instance_submit_displacement(CrumpleContext *context, CrumpleInstance instance,
-                                                   const CrumpleDisplacementDef *def, CrumpleHitResult *out_result);
+/// Submits count hits, each to the instance at the same index: all, or none, and the message names the first wrong one.
+/// out_results is null, or has room for count results. Otherwise like crumple_instance_submit_hit().
+CrumpleResult crumple_context_submit_hits(CrumpleContext *context, const CrumpleInstance *instances,
+                                          const CrumpleHitDef *defs, uint32_t count, CrumpleHitResult *out_results);
 
-/// Submits count hits, each to the instance at the same index. Either all are submitted, or none and the message names
-/// the first wrong one. out_results is null, or has room for count results. Otherwise like
-/// crumple_instance_submit_impulse().
-CrumpleResult crumple_context_submit_impulses(CrumpleContext *context, const CrumpleInstance *instances,
-                                              const CrumpleImpulseDef *defs, uint32_t count,
-                                              CrumpleHitResult *out_results);
+/// Returns what crumple_instance_submit_hit() would, without leaving a mark. out_result is required. Any thread.
+CrumpleResult crumple_instance_preview_hit(CrumpleContext *context, CrumpleInstance instance, const CrumpleHitDef *def,
+                                           CrumpleHitResult *out_result);
 
-/// Like crumple_context_submit_impulses(), but for displacements.
-CrumpleResult crumple_context_submit_displacements(CrumpleContext *context, const CrumpleInstance *instances,
-                                                   const CrumpleDisplacementDef *defs, uint32_t count,
-                                                   CrumpleHitResult *out_results);
-
-/// Computes the result of crumple_instance_submit_impulse() without leaving a mark. out_result is required. May be
-/// called from any thread at any time.
-CrumpleResult crumple_instance_preview_impulse(CrumpleContext *context, CrumpleInstance instance,
-                                               const CrumpleImpulseDef *def, CrumpleHitResult *out_result);
-
-/// Like crumple_instance_preview_impulse(), but for a displacement.
-CrumpleResult crumple_instance_preview_displacement(CrumpleContext *context, CrumpleInstance instance,
-                                                    const CrumpleDisplacementDef *def, CrumpleHitResult *out_result);
-
-/// Ends a contact. Its dent stays; later hits with the same id begin a new contact. Use contacts if your physics engine
-/// reports one contact as many small impulses. Give each of these hits the same contact_id, any number but 0, and end
-/// the contact when the bodies separate. Together they make the dent of the whole impulse, at any frame rate: their
-/// impulses or displacements add up, and the place is the mean of their points, weighted by these. Yield thresholds and
-/// depth limit apply to the sum. A contact has one mark, which is replaced as hits arrive.
-///
-/// Ending an unknown id is not an error. Contacts also end when the instance's damage is set, loaded, copied to it,
-/// repaired or reset. At most 256 are open per instance; above that, the one hit longest ago ends. May be called from
-/// any thread at any time. CRUMPLE_ERROR_WRONG_RULE: a classic rule.
+/// Ends a contact. Its dent stays; later hits with the same id begin a new one. Contacts are for engines that report
+/// one contact as many small impulses and do not use crumple_context_report_contacts(). Give these hits the same
+/// contact_id, any number but 0, and end the contact when the bodies separate. Together they make one dent, that of
+/// their sum at the mean of their points, at any frame rate. Yield thresholds and depth limit apply to the sum. Ending
+/// an unknown id is not an error. Contacts also end when the damage is set, loaded, copied to the instance, repaired or
+/// reset, and the one hit longest ago when more than 256 are open. Any thread. CRUMPLE_ERROR_WRONG_RULE: a classic
+/// rule.
 CrumpleResult crumple_instance_end_contact(CrumpleContext *context, CrumpleInstance instance, uint64_t contact_id);
 
-/// Returns the result of a contact, all its hits taken as one. The contact is open, or among the 256 of the instance
-/// that ended last. The status is CRUMPLE_HIT_STATUS_BELOW_YIELD if there is no such contact or the sum is too weak.
-/// CRUMPLE_ERROR_WRONG_RULE: a classic rule.
+/// Returns the result of all hits of a contact taken as one. The contact is open, or one of the 256 that ended last. If
+/// there is none, or the sum is too weak, the status is CRUMPLE_HIT_STATUS_BELOW_YIELD. CRUMPLE_ERROR_WRONG_RULE: a
+/// classic rule.
 CrumpleResult crumple_instance_get_contact(CrumpleContext *context, CrumpleInstance instance, uint64_t contact_id,
                                            CrumpleHitResult *out_result);
 
-/// Returns the default options.
 CrumpleContactOptionsDef crumple_contact_options_def_default(void);
-
-/// Returns a point of which nothing is known. Set pair, bodies, point and normal, and what else is known.
-CrumpleContactPointDef crumple_contact_point_def_default(void);
-
-/// Changes the options of the context's contacts. Touches that last go on with them. Any thread may call it at any time.
+/// Changes the options of the context's contacts. Touches that last go on with them. Any thread.
 CrumpleResult crumple_context_set_contact_options(CrumpleContext *context, const CrumpleContactOptionsDef *options);
 
+CrumpleContactPointDef crumple_contact_point_def_default(void);
 /// Takes contact points of the current step of the physics: all, or none if one is wrong. Report every point of every
 /// pair, also of bodies that rest or slide, and call crumple_context_step_contacts() after the step: all points of one
 /// place make one dent, at any rate of steps, and what rests, rolls, slides or jitters makes none. Two instances share
-/// the energy of a blow by how they give way. Any thread may call it at any time. Errors:
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (names the point and its part; also more than max_points since the last step),
-/// CRUMPLE_ERROR_WRONG_RULE (an instance with a classic rule).
+/// the energy of a blow by how they give way. Any thread. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (names the point and
+/// its part; also more than max_points since the last step), CRUMPLE_ERROR_WRONG_RULE (a classic rule).
 CrumpleResult crumple_context_report_contacts(CrumpleContext *context, const CrumpleContactPointDef *points,
                                               uint32_t count);
 
-/// Ends a step of the physics that lasted so many seconds: turns the points reported since the last call into hits. Call it
-/// once after each step, also if nothing touched. The next read of the damage applies the hits. Their contact ids are 2^63
-/// and above; give other ids to your own hits. out_report may be null. Any thread may call it at any time.
+/// Ends a step of the physics that lasted so many seconds: turns the points reported since the last call into hits,
+/// which the next read of the damage applies. Call it once after each step, also if nothing touched. Their contact ids
+/// are 2^63 and above; give other ids to your own hits. out_report may be null. Any thread.
 CrumpleResult crumple_context_step_contacts(CrumpleContext *context, float seconds, CrumpleContactReport *out_report);
 
 /// Returns the hits that the last crumple_context_step_contacts() brought to instances, in no particular order. Ask after each
-/// step; there are at most as many as its report's hits. hits has room for capacity hits; see "Arrays" at the top. Any thread may
-/// call it at any time.
+/// step; there are at most as many as its report's hits. hits has room for capacity hits; see "Arrays" at the top. Any thread.
 CrumpleResult crumple_context_get_contact_hits(CrumpleContext *context, CrumpleContactHit *hits, uint32_t capacity,
                                                uint32_t *out_count);
 
-/// Returns the sums of all steps' reports; open is that of the last step. Any thread may call it at any time.
+/// Returns the sums of all steps' reports; open is that of the last step. Any thread.
 CrumpleResult crumple_context_get_contact_totals(CrumpleContext *context, CrumpleContactReport *out_report);
 
-/// Ends all touches and forgets the points that wait, as after loading a saved game. Dents stay. Any thread may call it at
-/// any time.
+/// Ends all touches and forgets the points that wait, as after loading a saved game. Dents stay. Any thread.
 CrumpleResult crumple_context_clear_contacts(CrumpleContext *context);
 
 /// Copies an instance's marks, sorted, so that the order of hits does not matter. CRUMPLE_ERROR_WRONG_RULE: classic
@@ -913,8 +834,8 @@ CrumpleResult crumple_instance_save_damage(CrumpleContext *context, CrumpleInsta
                                            size_t capacity, size_t *out_size);
 
 /// Replaces an instance's damage with the size bytes of saved damage at data. Discards pending hits and ends contacts.
-/// Errors: CRUMPLE_ERROR_DAMAGE_MISMATCH (another set, version or rule, or cut short), CRUMPLE_ERROR_INVALID_ARGUMENT
-/// (a mark that the set cannot have).
+/// Errors: CRUMPLE_ERROR_DAMAGE_MISMATCH (another set, version or rule, cut short, or with a changed bit: it has a
+/// checksum), CRUMPLE_ERROR_INVALID_ARGUMENT (a mark that the set cannot have).
 CrumpleResult crumple_instance_load_damage(CrumpleContext *context, CrumpleInstance instance, const void *data,
                                            size_t size);
 
@@ -932,35 +853,37 @@ CrumpleResult crumple_context_load_damage(CrumpleContext *context, const Crumple
 /// Repairs an instance. Every dent keeps this share of its depth: 0 (as new) to 1 (unchanged). Ends contacts.
 CrumpleResult crumple_instance_repair_damage(CrumpleContext *context, CrumpleInstance instance, float keep);
 
-/// Repairs an instance around a point, as with a hammer. A dent whose contact is at the point keeps this share of its
-/// depth, 0 to 1. The share rises smoothly to 1 for contacts at radius. point and radius are in the mesh's space, m. A
-/// dent is repaired as a whole, also where it reaches beyond the radius. Ends contacts. CRUMPLE_ERROR_WRONG_RULE: a
-/// classic rule.
+/// Repairs an instance around a point of the mesh's space, m, as with a hammer. A dent whose contact is at the point
+/// keeps this share of its depth, 0 to 1, and one at radius, m, all of it. A dent is repaired as a whole, also where it
+/// reaches beyond the radius. Ends contacts. CRUMPLE_ERROR_WRONG_RULE: a classic rule.
 CrumpleResult crumple_instance_repair_around(CrumpleContext *context, CrumpleInstance instance, CrumpleVec3 point,
                                              float radius, float keep);
 
 /// Removes all damage of an instance. Discards pending hits and ends contacts.
 CrumpleResult crumple_instance_reset_damage(CrumpleContext *context, CrumpleInstance instance);
 
-/// Replaces an instance's damage with that of source, which needs an equal set and the same kind of rule. Discards the
-/// instance's pending hits and ends its contacts. Copying an instance to itself does nothing.
-/// CRUMPLE_ERROR_DAMAGE_MISMATCH: another set or rule.
+/// Replaces an instance's damage with that of source, which needs an equal set and the same kind of rule. Discards
+/// pending hits and ends contacts. From itself: does nothing. CRUMPLE_ERROR_DAMAGE_MISMATCH: another set or rule.
 CrumpleResult crumple_instance_copy_damage(CrumpleContext *context, CrumpleInstance instance, CrumpleInstance source);
 
-/// Returns a def without streams. Set them.
 CrumpleHostBufferDef crumple_host_buffer_def_default(void);
-
 /// Registers your memory for an instance's deformed vertices. The first deform writes every vertex. An instance may
-/// have several buffers, such as a ring; each is updated separately. Only crumple_context_deform() touches the memory,
-/// which must exist until the buffer is unregistered or gets other memory, or its instance or context is destroyed.
-/// Memory of different buffers must not overlap. While an instance with eight dents or more is being hit, the library
-/// holds 24 bytes a vertex for each of its buffers. Errors: CRUMPLE_ERROR_MESH (normals or tangents that the mesh
-/// lacks), CRUMPLE_ERROR_WRONG_RULE (lod above 0 with a classic rule).
+/// have several buffers, such as a ring. Only crumple_context_deform() touches the memory, which must exist until the
+/// buffer is unregistered or gets other memory, or its instance or context is destroyed, and must not overlap that of
+/// other buffers. While an instance with eight dents or more is being hit, the library holds 24 bytes a vertex for each
+/// of its buffers. Errors: CRUMPLE_ERROR_MESH (normals or tangents that the mesh lacks), CRUMPLE_ERROR_WRONG_RULE (lod
+/// above 0 with a classic rule).
 CrumpleResult crumple_buffer_register_host(CrumpleContext *context, CrumpleInstance instance,
                                            const CrumpleHostBufferDef *def, CrumpleBuffer *out_buffer);
 
 /// Unregisters a buffer. You may then free its memory, or its VkBuffer once the frames that wrote it are complete.
 CrumpleResult crumple_buffer_unregister(CrumpleContext *context, CrumpleBuffer buffer);
+
+/// Returns whether an id is that of a buffer of the context. False while another thread is inside the context.
+bool crumple_buffer_is_valid(CrumpleContext *context, CrumpleBuffer buffer);
+
+/// Returns what a buffer shows.
+CrumpleResult crumple_buffer_get_info(CrumpleContext *context, CrumpleBuffer buffer, CrumpleBufferInfo *out_info);
 
 /// Declares a buffer's contents lost or overwritten. The next deform or recording writes every vertex.
 CrumpleResult crumple_buffer_invalidate(CrumpleContext *context, CrumpleBuffer buffer);
@@ -969,11 +892,11 @@ CrumpleResult crumple_buffer_invalidate(CrumpleContext *context, CrumpleBuffer b
 /// crumple_buffer_register_host(), and CRUMPLE_ERROR_INVALID_ARGUMENT (not a host buffer).
 CrumpleResult crumple_buffer_set_memory(CrumpleContext *context, CrumpleBuffer buffer, const CrumpleHostBufferDef *def);
 
-/// Limits how many vertices one crumple_context_deform(), recording, submit or plan writes, for frames with more hits
-/// than time. 0, as at first: no limit. A buffer is written whole or not at all. Those whose waiting would be seen most
-/// come first, by their vertices, how long they have waited, and how near they are; see crumple_instance_set_view().
-/// The others follow in later calls, with the same vertices. A buffer that does not show its instance yet never waits,
-/// and every call writes at least one buffer.
+/// Limits how many vertices a deform, recording, submit or plan writes, for frames with more hits than time; 0, as at
+/// first: no limit. A buffer is written whole or not at all, and at least one is written. Those whose waiting would be
+/// seen most come first, by their vertices, how long they have waited, and how near they are
+/// (crumple_instance_set_view()). The others follow in later calls, with the same vertices. A buffer that does not show
+/// its instance yet never waits.
 CrumpleResult crumple_context_set_vertex_budget(CrumpleContext *context, uint64_t vertices);
 
 /// Writes what changed since the last write of count host buffers, or of all host buffers of the context if buffers is
@@ -985,22 +908,15 @@ CrumpleResult crumple_context_deform(CrumpleContext *context, const CrumpleBuffe
                                      CrumpleDeformReport *out_report);
 
 /// Returns the buffers that the last crumple_context_deform() and the last recording or submit wrote to, by increasing
-/// index, so that you need not ask each.
-CrumpleResult crumple_context_get_changed_buffers(CrumpleContext *context, CrumpleBuffer *buffers, uint32_t capacity,
-                                                  uint32_t *out_count);
+/// index, and whose they are.
+CrumpleResult crumple_context_get_changed_buffers(CrumpleContext *context, CrumpleBufferInfo *buffers,
+                                                  uint32_t capacity, uint32_t *out_count);
 
 /// Returns the vertices written by the last deform or recording that included the buffer, by id or with null and 0, as
 /// increasing ranges that do not overlap. out_bounds, which may be null, receives the bounds of all vertices, m; they
 /// may be too large for a buffer on a device. Use both for uploads, refits and culling.
 CrumpleResult crumple_buffer_get_changes(CrumpleContext *context, CrumpleBuffer buffer, CrumpleRange *ranges,
                                          uint32_t capacity, uint32_t *out_count, CrumpleAabb *out_bounds);
-
-/// Returns the triangles with a vertex that crumple_buffer_get_changes() returns, as increasing ranges that do not
-/// overlap, in the order of the mesh's indices. out_bounds, which may be null, receives a box around those vertices
-/// before and now, m, for the partial refit of a collider; zeros without changes. The time is linear in the triangles.
-/// Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (not a host buffer), CRUMPLE_ERROR_MESH (a mesh without indices).
-CrumpleResult crumple_buffer_get_changed_triangles(CrumpleContext *context, CrumpleBuffer buffer, CrumpleRange *ranges,
-                                                   uint32_t capacity, uint32_t *out_count, CrumpleAabb *out_bounds);
 
 #ifdef __cplusplus
 }  // extern "C"

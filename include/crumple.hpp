@@ -19,6 +19,7 @@
 #define CRUMPLE_HPP
 
 #include "crumple_graph.h"
+#include "crumple_host.h"
 #include "crumple_import.h"
 #include "crumple_parts.h"
 
@@ -247,6 +248,11 @@ class Buffer : public detail::Owner<CrumpleBuffer, crumple_buffer_unregister> {
 public:
     using Owner::Owner;
 
+    /// What it shows, and the numbers that it and its instance were given.
+    Result<CrumpleBufferInfo> info() const {
+        return detail::get<CrumpleBufferInfo>(
+            [&](CrumpleBufferInfo *info) { return crumple_buffer_get_info(context(), id(), info); });
+    }
     Result<void> invalidate() { return detail::done(crumple_buffer_invalidate(context(), id())); }
     Result<void> set_memory(const CrumpleHostBufferDef &def) {
         return detail::done(crumple_buffer_set_memory(context(), id(), &def));
@@ -280,6 +286,13 @@ public:
         return detail::get<CrumpleInstanceInfo>(
             [&](CrumpleInstanceInfo *info) { return crumple_instance_get_info(context(), id(), info); });
     }
+    Result<uint64_t> user_data() const {
+        return detail::get<uint64_t>(
+            [&](uint64_t *user_data) { return crumple_instance_get_user_data(context(), id(), user_data); });
+    }
+    Result<void> set_user_data(uint64_t user_data) {
+        return detail::done(crumple_instance_set_user_data(context(), id(), user_data));
+    }
     /// local_to_world is 16 floats, column-major. May be called from any thread at any time.
     Result<void> set_transform(const float *local_to_world) {
         return detail::done(crumple_instance_set_transform(context(), id(), local_to_world));
@@ -300,30 +313,20 @@ public:
     }
 
     /// May be called from any thread at any time.
-    Result<CrumpleHitResult> submit(const CrumpleImpulseDef &def) {
+    Result<CrumpleHitResult> submit(const CrumpleHitDef &def) {
         return detail::get<CrumpleHitResult>(
-            [&](CrumpleHitResult *out) { return crumple_instance_submit_impulse(context(), id(), &def, out); });
-    }
-    /// May be called from any thread at any time.
-    Result<CrumpleHitResult> submit(const CrumpleDisplacementDef &def) {
-        return detail::get<CrumpleHitResult>(
-            [&](CrumpleHitResult *out) { return crumple_instance_submit_displacement(context(), id(), &def, out); });
+            [&](CrumpleHitResult *out) { return crumple_instance_submit_hit(context(), id(), &def, out); });
     }
     /// Returns the result of a hit without leaving a mark. May be called from any thread at any time.
-    Result<CrumpleHitResult> preview(const CrumpleImpulseDef &def) const {
+    Result<CrumpleHitResult> preview(const CrumpleHitDef &def) const {
         return detail::get<CrumpleHitResult>(
-            [&](CrumpleHitResult *out) { return crumple_instance_preview_impulse(context(), id(), &def, out); });
-    }
-    /// Returns the result of a hit without leaving a mark. May be called from any thread at any time.
-    Result<CrumpleHitResult> preview(const CrumpleDisplacementDef &def) const {
-        return detail::get<CrumpleHitResult>(
-            [&](CrumpleHitResult *out) { return crumple_instance_preview_displacement(context(), id(), &def, out); });
+            [&](CrumpleHitResult *out) { return crumple_instance_preview_hit(context(), id(), &def, out); });
     }
     /// point in m, impulse in N s, duration in s, mass in kg (0: the set's mass), contact_id (0: none). Use submit() to
     /// describe the striker too. May be called from any thread at any time.
     Result<CrumpleHitResult> submit_impulse(CrumpleVec3 point, CrumpleVec3 impulse, float duration, float mass = 0,
                                             CrumpleSpace space = CRUMPLE_SPACE_LOCAL, uint64_t contact_id = 0) {
-        CrumpleImpulseDef def = crumple_impulse_def_default();
+        CrumpleHitDef def = crumple_hit_def_default();
         def.space = space;
         def.point = point;
         def.impulse = impulse;
@@ -335,7 +338,8 @@ public:
     /// point and displacement in m, contact_id (0: none). May be called from any thread at any time.
     Result<CrumpleHitResult> submit_displacement(CrumpleVec3 point, CrumpleVec3 displacement,
                                                  CrumpleSpace space = CRUMPLE_SPACE_LOCAL, uint64_t contact_id = 0) {
-        CrumpleDisplacementDef def = crumple_displacement_def_default();
+        CrumpleHitDef def = crumple_hit_def_default();
+        def.kind = CRUMPLE_HIT_KIND_DISPLACEMENT;
         def.space = space;
         def.point = point;
         def.displacement = displacement;
@@ -452,9 +456,9 @@ public:
     }
     /// Adds another mesh that shows the same damage and returns its lod number. Call it before creating the first
     /// instance.
-    Result<uint32_t> add_lod(const CrumpleLodDef &def) {
+    Result<uint32_t> add_lod(const CrumpleMeshDef &mesh) {
         return detail::get<uint32_t>(
-            [&](uint32_t *lod) { return crumple_example_set_add_lod(context(), id(), &def, lod); });
+            [&](uint32_t *lod) { return crumple_example_set_add_lod(context(), id(), &mesh, lod); });
     }
     /// The strings are valid until the set is destroyed.
     Result<CrumpleExampleInfo> example(uint32_t index) const {
@@ -611,9 +615,9 @@ public:
     Result<void> set_vertex_budget(uint64_t vertices) {
         return detail::done(crumple_context_set_vertex_budget(context_, vertices));
     }
-    /// The buffers that the last deform, and the last recording, wrote to.
-    Result<std::vector<CrumpleBuffer>> changed_buffers() const {
-        return detail::fill<CrumpleBuffer, uint32_t>([&](CrumpleBuffer *buffers, uint32_t capacity, uint32_t *count) {
+    /// The buffers that the last deform, and the last recording, wrote to, and whose they are.
+    Result<std::vector<CrumpleBufferInfo>> changed_buffers() const {
+        return detail::fill<CrumpleBufferInfo, uint32_t>([&](CrumpleBufferInfo *buffers, uint32_t capacity, uint32_t *count) {
             return crumple_context_get_changed_buffers(context_, buffers, capacity, count);
         });
     }
@@ -644,18 +648,11 @@ public:
     Result<void> clear_contacts() { return detail::done(crumple_context_clear_contacts(context_)); }
 
     /// Submits each hit to the instance at the same index: all or none. May be called from any thread at any time.
-    Result<std::vector<CrumpleHitResult>> submit(const CrumpleInstance *instances, const CrumpleImpulseDef *defs,
+    Result<std::vector<CrumpleHitResult>> submit(const CrumpleInstance *instances, const CrumpleHitDef *defs,
                                                  std::size_t count) {
         std::vector<CrumpleHitResult> results(count);
         const CrumpleResult result =
-            crumple_context_submit_impulses(context_, instances, defs, static_cast<uint32_t>(count), results.data());
-        return submitted(result, std::move(results));
-    }
-    Result<std::vector<CrumpleHitResult>> submit(const CrumpleInstance *instances, const CrumpleDisplacementDef *defs,
-                                                 std::size_t count) {
-        std::vector<CrumpleHitResult> results(count);
-        const CrumpleResult result =
-            crumple_context_submit_displacements(context_, instances, defs, static_cast<uint32_t>(count), results.data());
+            crumple_context_submit_hits(context_, instances, defs, static_cast<uint32_t>(count), results.data());
         return submitted(result, std::move(results));
     }
     /// Saves the damage of these instances, or of all, as one piece of bytes.

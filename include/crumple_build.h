@@ -89,12 +89,14 @@ typedef struct CrumpleExampleDef {
     CrumplePlacement placement;
 } CrumpleExampleDef;
 
-/// A mesh as arrays, which are copied. The def that contains it sets its defaults.
+/// A mesh as arrays, which are copied.
 typedef struct CrumpleMeshDef {
+    uint32_t struct_size;
     /// Number of vertices, at least 1. Their order is kept.
     uint32_t vertex_count;
     /// Number of indices, a multiple of 3.
     uint32_t index_count;
+    CrumpleIndexType index_type;
     /// Positions: vertex_count times 3 floats, m. Any handedness, any axis up. Required.
     CrumpleInput positions;
     /// Unit normals: vertex_count times 3 floats. Absent: computed from the triangles, smooth across seams.
@@ -103,7 +105,6 @@ typedef struct CrumpleMeshDef {
     CrumpleInput tangents;
     /// Triangles: index_count indices, counter-clockwise seen from outside. Absent: a point cloud, which needs normals.
     CrumpleInput indices;
-    CrumpleIndexType index_type;
     /// How far each vertex may move: vertex_count floats, m, at least 0, INFINITY for no limit of its own. Rounded down by up to
     /// 1 in 128. The depth limits of the set and of the instance hold too. Absent: none; for a further mesh of a set, those
     /// of the nearest base vertices.
@@ -145,17 +146,12 @@ typedef struct CrumpleExampleSetOptions {
 typedef struct CrumpleExampleSetDef {
     uint32_t struct_size;
     uint32_t example_count;
-    CrumpleMeshDef mesh;
+    /// The base mesh, from crumple_mesh_def_default(). Required.
+    const CrumpleMeshDef *mesh;
     /// example_count defs, each from crumple_example_def_default().
     const CrumpleExampleDef *examples;
     CrumpleExampleSetOptions options;
 } CrumpleExampleSetDef;
-
-/// Another mesh of a set's body, such as a level of detail, in the base mesh's space.
-typedef struct CrumpleLodDef {
-    uint32_t struct_size;
-    CrumpleMeshDef mesh;
-} CrumpleLodDef;
 
 /// Everything within radius, m, of the segment between two points, m. Equal points make a ball.
 typedef struct CrumpleCapsule {
@@ -204,33 +200,28 @@ typedef struct CrumpleDamageMapping {
     /// How many examples are missing that marks need, and the first of them: its index in the old set. 0xFFFFFFFF: none.
     uint32_t missing_examples;
     uint32_t first_missing_example;
+    uint32_t reserved[3];
 } CrumpleDamageMapping;
 
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
 
-/// Returns a def without positions. Set them.
 CrumpleExampleDef crumple_example_def_default(void);
-
-/// Returns a def without mesh and examples. Set them.
 CrumpleExampleSetDef crumple_example_set_def_default(void);
-
 /// Builds an example set from arrays. This indexes the mesh and samples every example, which takes time: build sets
 /// while loading, or load baked ones. Errors: CRUMPLE_ERROR_MESH (no vertices), CRUMPLE_ERROR_EXAMPLE_MISMATCH (no
 /// examples, or one that does not fit the mesh).
 CrumpleResult crumple_example_set_create(CrumpleContext *context, const CrumpleExampleSetDef *def,
                                          CrumpleExampleSet *out_set);
 
-/// Returns a def without mesh. Set it.
-CrumpleLodDef crumple_lod_def_default(void);
-
-/// Adds a mesh that shows the same damage, such as a level of detail or a collision proxy. Call this before the set's
-/// first instance is created. out_lod receives its number for the lod fields of defs, 1 for the first. Each vertex is
-/// bound to the nearest point of the base surface and moves with it. A vertex at the position of a base vertex moves
-/// exactly like that vertex. Contacts, marks, saved damage and the fingerprint still refer to the base mesh. Errors:
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (the set has instances), CRUMPLE_ERROR_MESH.
-CrumpleResult crumple_example_set_add_lod(CrumpleContext *context, CrumpleExampleSet set, const CrumpleLodDef *def,
+CrumpleMeshDef crumple_mesh_def_default(void);
+/// Adds a mesh of the same body, such as a level of detail or a collision proxy, in the base mesh's space. It shows the
+/// same damage. Call this before the set's first instance is created. out_lod receives its number for the lod fields of
+/// defs, 1 for the first. Each vertex is bound to the nearest point of the base surface and moves with it. A vertex at
+/// the position of a base vertex moves exactly like that vertex. Contacts, marks, saved damage and the fingerprint
+/// still refer to the base mesh. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (the set has instances), CRUMPLE_ERROR_MESH.
+CrumpleResult crumple_example_set_add_lod(CrumpleContext *context, CrumpleExampleSet set, const CrumpleMeshDef *mesh,
                                           uint32_t *out_lod);
 
 /// Writes an example set as the bytes of a .crumple file, equal on all machines.

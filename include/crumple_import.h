@@ -17,7 +17,6 @@ typedef struct CrumpleGltfDef {
     /// Path of the .glb or .gltf file, UTF-8. For crumple_example_set_load_gltf_memory(): the folder of other files
     /// that the glTF refers to. If it is null there, a glTF that refers to files is an error.
     const char *path;
-    CrumpleExampleSetOptions options;
     /// Whether to join the meshes of all nodes, but those of other scenes, to one body, each where its node places it. Default
     /// false. Each node with a mesh then is a part: lods 1 and up, in the order of the nodes; see
     /// crumple_example_set_find_part(). If there are more than 63, the smallest belong to the part of a node above them. Morph
@@ -38,6 +37,7 @@ typedef struct CrumpleGltfDef {
     const char *glass;
     /// Patterns of nodes that move on their own, such as wheels: they are no part of a joined body.
     const char *moving;
+    CrumpleExampleSetOptions options;
 } CrumpleGltfDef;
 
 /// A base OBJ file, its example files, and the options of the set.
@@ -67,12 +67,7 @@ typedef struct CrumplePrimitive {
 extern "C" {
 #endif // __cplusplus
 
-/// Returns a def for the first mesh whose morph targets move it, with default options. Set the path.
 CrumpleGltfDef crumple_gltf_def_default(void);
-
-/// Returns a def with default options. Set the paths.
-CrumpleObjDef crumple_obj_def_default(void);
-
 /// Builds an example set from a glTF 2.0 or GLB file: a mesh with its morph targets. Primitives are joined in their
 /// order; see crumple_example_set_get_primitive(). mesh.extras has the examples' names (targetNames), contacts
 /// (impacts) and placements. Coordinates are in the mesh's own space, and node transforms are not applied, unless nodes
@@ -86,6 +81,7 @@ CrumpleResult crumple_example_set_load_gltf(CrumpleContext *context, const Crump
 CrumpleResult crumple_example_set_load_gltf_memory(CrumpleContext *context, const void *data, size_t size,
                                                    const CrumpleGltfDef *def, CrumpleExampleSet *out_set);
 
+CrumpleObjDef crumple_obj_def_default(void);
 /// Builds an example set from a base OBJ file and one OBJ file per example. Examples are named after their files. Each
 /// must have the base's v lines in the base's order. The set's vertices are the distinct corners of the base's faces, in the
 /// order in which they are used, or its v lines if it has no faces. Polygons are triangulated. What is odd in the files is

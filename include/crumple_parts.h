@@ -1,4 +1,4 @@
-// Crumple: bodies whose parts come off, and points that move with the surface, such as lamps.
+// Crumple: bodies whose parts come off, points that move with the surface, such as lamps, and colliders.
 //
 // This file is generated from the library's source by `cargo xtask header`; do not edit it.
 
@@ -75,6 +75,18 @@ CrumpleResult crumple_example_set_attach_point(CrumpleContext *context, CrumpleE
 /// crumple_example_set_attach_point()).
 CrumpleResult crumple_instance_get_attached_frame(CrumpleContext *context, CrumpleInstance instance,
                                                   const CrumpleAttachment *attachment, CrumpleFrame *out_frame);
+
+/// Finds the vertex of the base mesh nearest to a point in the mesh's space, m. The lowest index wins a tie. Either
+/// output may be null. out_distance is in m.
+CrumpleResult crumple_example_set_find_nearest_vertex(CrumpleContext *context, CrumpleExampleSet set, CrumpleVec3 point,
+                                                      uint32_t *out_vertex, float *out_distance);
+
+/// Returns the triangles with a vertex that crumple_buffer_get_changes() returns, as increasing ranges that do not
+/// overlap, in the order of the mesh's indices. out_bounds, which may be null, receives a box around those vertices
+/// before and now, m, for the partial refit of a collider; zeros without changes. The time is linear in the triangles.
+/// Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (not a host buffer), CRUMPLE_ERROR_MESH (a mesh without indices).
+CrumpleResult crumple_buffer_get_changed_triangles(CrumpleContext *context, CrumpleBuffer buffer, CrumpleRange *ranges,
+                                                   uint32_t capacity, uint32_t *out_count, CrumpleAabb *out_bounds);
 
 #ifdef __cplusplus
 }  // extern "C"

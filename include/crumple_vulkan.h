@@ -65,6 +65,7 @@ typedef struct CrumpleVulkanStream {
 typedef struct CrumpleVulkanBufferDef {
     uint32_t struct_size;
     uint32_t lod;
+    uint64_t user_data;
     /// The VkBuffer, bound to memory: (uint64_t)handle. Required. One VkBuffer may hold any number of ranges; their
     /// buffer_size, usage, queue_family and four stage and access fields must be equal.
     uint64_t buffer;
@@ -155,12 +156,7 @@ typedef struct CrumpleVulkanImportDef {
 extern "C" {
 #endif // __cplusplus
 
-/// Returns a def without handles. Set them and the queue family.
 CrumpleVulkanAttachDef crumple_vulkan_attach_def_default(void);
-
-/// Returns a def for a vertex buffer without its handle. Set buffer, buffer_size, usage, size and streams.
-CrumpleVulkanBufferDef crumple_vulkan_buffer_def_default(void);
-
 /// Attaches your Vulkan device, one per context. It takes some tenths of a millisecond. The handles must be valid,
 /// belong together, and live until crumple_vulkan_detach() or crumple_context_destroy(). Errors:
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (a device is already attached, a queue family that does not exist or lacks compute, a
@@ -178,6 +174,7 @@ CrumpleResult crumple_vulkan_detach(CrumpleContext *context);
 /// every kind of buffer.
 CrumpleResult crumple_vulkan_get_pipeline_cache(CrumpleContext *context, void *data, size_t capacity, size_t *out_size);
 
+CrumpleVulkanBufferDef crumple_vulkan_buffer_def_default(void);
 /// Registers a range of a VkBuffer for an instance's deformed vertices. The first recording writes every vertex. An
 /// instance may have several ranges, such as a ring. The first range of a mesh copies the mesh and its examples to a
 /// staging buffer, and the next recording copies them to the device; all instances and ranges share them. The VkBuffer
@@ -213,12 +210,7 @@ CrumpleResult crumple_vulkan_complete_frames(CrumpleContext *context, uint64_t f
 /// their buffers.
 CrumpleResult crumple_vulkan_discard_frames(CrumpleContext *context, uint64_t frame);
 
-/// Returns a def for any physical device. Set the loader and the UUID.
 CrumpleVulkanOpenDef crumple_vulkan_open_def_default(void);
-
-/// Returns a def without memory. Set handle, sizes, memory type and usage.
-CrumpleVulkanImportDef crumple_vulkan_import_def_default(void);
-
 /// Creates a Vulkan device of Crumple's own, for engines that can share memory but cannot hand out a command buffer.
 /// Takes milliseconds to tenths of a second. Use it instead of crumple_vulkan_attach(): import buffers, register them,
 /// and write them with crumple_vulkan_submit(). crumple_vulkan_detach() and crumple_context_destroy() wait for the
@@ -227,6 +219,7 @@ CrumpleVulkanImportDef crumple_vulkan_import_def_default(void);
 /// CRUMPLE_FEATURE_VULKAN).
 CrumpleResult crumple_vulkan_open(CrumpleContext *context, const CrumpleVulkanOpenDef *def);
 
+CrumpleVulkanImportDef crumple_vulkan_import_def_default(void);
 /// Imports a buffer of your device into Crumple's device. Use out_buffer as the buffer field of CrumpleVulkanBufferDef;
 /// its buffer_size, usage, queue_family, stages and accesses are then ignored. Before each submit, release the VkBuffer
 /// to VK_QUEUE_FAMILY_EXTERNAL on your queue. Acquire it afterwards. The memory must exist until

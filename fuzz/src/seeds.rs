@@ -5,8 +5,8 @@ use std::sync::{Arc, OnceLock};
 
 use crumple::import::Imported;
 use crumple::{
-    Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData, Placement, Rule, Serial,
-    SetOptions, VertexMass,
+    Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData, Placement, Rule, Serial, SetOptions,
+    VertexMass,
 };
 
 /// Names of files and their bytes.

@@ -28,7 +28,6 @@ pub struct CrumpleAllocatorDef {
 
 defs!(CrumpleAllocatorDef);
 
-/// Returns a def without functions. Set both.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_allocator_def_default() -> CrumpleAllocatorDef {
     zeroed()

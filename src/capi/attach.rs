@@ -92,3 +92,23 @@ fn attachment(given: CrumpleAttachment, name: &str) -> Result<Attachment, Failur
     }
     Ok(Attachment { vertices, weights, point: point.array() })
 }
+
+/// Finds the vertex of the base mesh nearest to a point in the mesh's space, m. The lowest index wins a tie. Either
+/// output may be null. out_distance is in m.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_example_set_find_nearest_vertex(
+    context: *mut CrumpleContext,
+    set: CrumpleExampleSet,
+    point: CrumpleVec3,
+    out_vertex: *mut u32,
+    out_distance: *mut f32,
+) -> CrumpleResult {
+    exclusive("crumple_example_set_find_nearest_vertex", context, |_, state| {
+        let outs = (Out::optional(out_vertex, "out_vertex")?, Out::optional(out_distance, "out_distance")?);
+        let point = finite(point.array(), "point")?;
+        let nearest = state.sets.get(set, "set")?.set.nearest_vertex(point)?;
+        outs.0.write(nearest.vertex);
+        outs.1.write(nearest.distance);
+        Ok(())
+    })
+}

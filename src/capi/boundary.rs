@@ -21,6 +21,11 @@ pub(super) fn boundary(call: &'static str, body: impl FnOnce() -> Result<(), Fai
     }
 }
 
+/// Whether `body` succeeds. The last error's text stays.
+pub(super) fn succeeds(body: impl FnOnce() -> Result<(), Failure>) -> bool {
+    quietly(body).is_ok_and(|result| result.is_ok())
+}
+
 /// Runs `body`; a panic in it prints nothing and comes back as its message.
 pub(super) fn quietly<T>(body: impl FnOnce() -> T) -> Result<T, String> {
     silence_panics();

@@ -1,7 +1,8 @@
 //! Buffers: memory of the host that deformed vertices are written to.
 
+use super::boundary::succeeds;
 use super::check::{Out, def, zeroed};
-use super::context::{CrumpleContext, exclusive};
+use super::context::{CrumpleContext, exclusive, look_into};
 use super::host_memory::{CrumpleHostBufferDef, HostMemory};
 use super::result::{CrumpleResult, Failure};
 use super::store::{BufferEntry, Memory, State};
@@ -19,18 +20,31 @@ pub(super) fn add_buffer(state: &mut State, entry: BufferEntry, out: Out<Crumple
     Ok(())
 }
 
-/// Returns a def without streams. Set them.
+/// What a buffer shows.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct CrumpleBufferInfo {
+    pub buffer: CrumpleBuffer,
+    pub instance: CrumpleInstance,
+    /// The user_data of the buffer's def, and of the instance.
+    pub user_data: u64,
+    pub instance_user_data: u64,
+    /// Which mesh of the set.
+    pub lod: u32,
+    pub reserved: [u32; 3],
+}
+
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_host_buffer_def_default() -> CrumpleHostBufferDef {
     zeroed()
 }
 
 /// Registers your memory for an instance's deformed vertices. The first deform writes every vertex. An instance may
-/// have several buffers, such as a ring; each is updated separately. Only crumple_context_deform() touches the memory,
-/// which must exist until the buffer is unregistered or gets other memory, or its instance or context is destroyed.
-/// Memory of different buffers must not overlap. While an instance with eight dents or more is being hit, the library
-/// holds 24 bytes a vertex for each of its buffers. Errors: CRUMPLE_ERROR_MESH (normals or tangents that the mesh
-/// lacks), CRUMPLE_ERROR_WRONG_RULE (lod above 0 with a classic rule).
+/// have several buffers, such as a ring. Only crumple_context_deform() touches the memory, which must exist until the
+/// buffer is unregistered or gets other memory, or its instance or context is destroyed, and must not overlap that of
+/// other buffers. While an instance with eight dents or more is being hit, the library holds 24 bytes a vertex for each
+/// of its buffers. Errors: CRUMPLE_ERROR_MESH (normals or tangents that the mesh lacks), CRUMPLE_ERROR_WRONG_RULE (lod
+/// above 0 with a classic rule).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_buffer_register_host(
     context: *mut CrumpleContext,
@@ -42,7 +56,11 @@ pub unsafe extern "C" fn crumple_buffer_register_host(
         let (def, out) = (self::def(def, "def")?, Out::new(out_buffer, "out_buffer")?);
         let memory = HostMemory::new(&def, &state.instances.get(instance, "instance")?.instance)?;
         let memory = Memory::Host(memory, Tracker::new());
-        add_buffer(state, BufferEntry { owner: instance, lod: def.lod as usize, memory, included: false }, out)
+        add_buffer(
+            state,
+            BufferEntry { owner: instance, lod: def.lod as usize, memory, user_data: def.user_data, included: false },
+            out,
+        )
     })
 }
 
@@ -56,6 +74,38 @@ pub unsafe extern "C" fn crumple_buffer_unregister(
         let owner = state.remove_buffer(buffer)?;
         state.instances.get_mut(owner, "instance")?.buffers.retain(|b| *b != buffer);
         Ok(())
+    })
+}
+
+/// Returns whether an id is that of a buffer of the context. False while another thread is inside the context.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_buffer_is_valid(context: *mut CrumpleContext, buffer: CrumpleBuffer) -> bool {
+    succeeds(|| look_into(context, |state| state.buffers.get(buffer, "buffer").map(drop)))
+}
+
+/// Returns what a buffer shows.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_buffer_get_info(
+    context: *mut CrumpleContext,
+    buffer: CrumpleBuffer,
+    out_info: *mut CrumpleBufferInfo,
+) -> CrumpleResult {
+    exclusive("crumple_buffer_get_info", context, |_, state| {
+        let out = Out::new(out_info, "out_info")?;
+        out.write(info(buffer, state.buffers.get(buffer, "buffer")?, state)?);
+        Ok(())
+    })
+}
+
+/// What an entry shows.
+pub(super) fn info(buffer: CrumpleBuffer, entry: &BufferEntry, state: &State) -> Result<CrumpleBufferInfo, Failure> {
+    Ok(CrumpleBufferInfo {
+        buffer,
+        instance: entry.owner,
+        user_data: entry.user_data,
+        instance_user_data: state.instances.get(entry.owner, "instance")?.user_data,
+        lod: entry.lod as u32,
+        reserved: [0; 3],
     })
 }
 
@@ -89,6 +139,7 @@ pub unsafe extern "C" fn crumple_buffer_set_memory(
         };
         *memory = HostMemory::new(&def, &state.instances.get(entry.owner, "instance")?.instance)?;
         entry.lod = def.lod as usize;
+        entry.user_data = def.user_data;
         tracker.invalidate();
         Ok(())
     })

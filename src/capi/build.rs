@@ -111,14 +111,16 @@ pub struct CrumpleExampleDef {
     pub placement: MaybeUninit<Placement>,
 }
 
-/// A mesh as arrays, which are copied. The def that contains it sets its defaults.
+/// A mesh as arrays, which are copied.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleMeshDef {
+    pub struct_size: u32,
     /// Number of vertices, at least 1. Their order is kept.
     pub vertex_count: u32,
     /// Number of indices, a multiple of 3.
     pub index_count: u32,
+    pub index_type: MaybeUninit<CrumpleIndexType>,
     /// Positions: vertex_count times 3 floats, m. Any handedness, any axis up. Required.
     pub positions: CrumpleInput,
     /// Unit normals: vertex_count times 3 floats. Absent: computed from the triangles, smooth across seams.
@@ -127,7 +129,6 @@ pub struct CrumpleMeshDef {
     pub tangents: CrumpleInput,
     /// Triangles: index_count indices, counter-clockwise seen from outside. Absent: a point cloud, which needs normals.
     pub indices: CrumpleInput,
-    pub index_type: MaybeUninit<CrumpleIndexType>,
     /// How far each vertex may move: vertex_count floats, m, at least 0, INFINITY for no limit of its own. Rounded down by up to
     /// 1 in 128. The depth limits of the set and of the instance hold too. Absent: none; for a further mesh of a set, those
     /// of the nearest base vertices.
@@ -143,22 +144,15 @@ pub struct CrumpleMeshDef {
 pub struct CrumpleExampleSetDef {
     pub struct_size: u32,
     pub example_count: u32,
-    pub mesh: CrumpleMeshDef,
+    /// The base mesh, from crumple_mesh_def_default(). Required.
+    pub mesh: *const CrumpleMeshDef,
     /// example_count defs, each from crumple_example_def_default().
     pub examples: *const CrumpleExampleDef,
     pub options: CrumpleExampleSetOptions,
 }
 
-/// Another mesh of a set's body, such as a level of detail, in the base mesh's space.
-#[repr(C)]
-#[derive(Debug, Clone, Copy)]
-pub struct CrumpleLodDef {
-    pub struct_size: u32,
-    pub mesh: CrumpleMeshDef,
-}
-
 c_enums!(CrumpleContactKind::Point, CrumpleIndexType::U16);
-defs!(CrumpleExampleDef, CrumpleExampleSetDef, CrumpleLodDef);
+defs!(CrumpleExampleDef, CrumpleExampleSetDef, CrumpleMeshDef);
 
 pub(super) fn default_options() -> CrumpleExampleSetOptions {
     CrumpleExampleSetOptions {
@@ -170,13 +164,11 @@ pub(super) fn default_options() -> CrumpleExampleSetOptions {
     }
 }
 
-/// Returns a def without positions. Set them.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_example_def_default() -> CrumpleExampleDef {
     zeroed()
 }
 
-/// Returns a def without mesh and examples. Set them.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_example_set_def_default() -> CrumpleExampleSetDef {
     CrumpleExampleSetDef { options: default_options(), ..zeroed() }
@@ -194,43 +186,42 @@ pub unsafe extern "C" fn crumple_example_set_create(
     exclusive("crumple_example_set_create", context, |context, state| {
         let (def, out) = (self::def(def, "def")?, Out::new(out_set, "out_set")?);
         let (mesh, examples) = {
-            let mesh = read_mesh(&def.mesh, "def.mesh")?;
+            let mesh = read_mesh(def.mesh, "def.mesh")?;
             let examples = read_examples(&def, &mesh)?;
             (mesh, examples)
         };
         let triangles = mesh.triangles.len() as u32;
-        let whole = CrumplePrimitive::new(0..def.mesh.vertex_count, 0..triangles);
+        let whole = CrumplePrimitive::new(0..mesh.positions.len() as u32, 0..triangles);
         let options = read_options(&def.options, mesh.positions.len())?;
         let name = CString::default();
         add_set(context, state, (mesh, examples, options), (name, vec![whole], Vec::new(), None), out)
     })
 }
 
-/// Returns a def without mesh. Set it.
 #[unsafe(no_mangle)]
-pub extern "C" fn crumple_lod_def_default() -> CrumpleLodDef {
+pub extern "C" fn crumple_mesh_def_default() -> CrumpleMeshDef {
     zeroed()
 }
 
-/// Adds a mesh that shows the same damage, such as a level of detail or a collision proxy. Call this before the set's
-/// first instance is created. out_lod receives its number for the lod fields of defs, 1 for the first. Each vertex is
-/// bound to the nearest point of the base surface and moves with it. A vertex at the position of a base vertex moves
-/// exactly like that vertex. Contacts, marks, saved damage and the fingerprint still refer to the base mesh. Errors:
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (the set has instances), CRUMPLE_ERROR_MESH.
+/// Adds a mesh of the same body, such as a level of detail or a collision proxy, in the base mesh's space. It shows the
+/// same damage. Call this before the set's first instance is created. out_lod receives its number for the lod fields of
+/// defs, 1 for the first. Each vertex is bound to the nearest point of the base surface and moves with it. A vertex at
+/// the position of a base vertex moves exactly like that vertex. Contacts, marks, saved damage and the fingerprint
+/// still refer to the base mesh. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (the set has instances), CRUMPLE_ERROR_MESH.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_add_lod(
     context: *mut CrumpleContext,
     set: CrumpleExampleSet,
-    def: *const CrumpleLodDef,
+    mesh: *const CrumpleMeshDef,
     out_lod: *mut u32,
 ) -> CrumpleResult {
     exclusive("crumple_example_set_add_lod", context, |context, state| {
-        let (def, out) = (self::def(def, "def")?, Out::new(out_lod, "out_lod")?);
+        let out = Out::new(out_lod, "out_lod")?;
         let entry = state.sets.get_mut(set, "set")?;
         let set = Arc::get_mut(&mut entry.set).ok_or_else(|| {
             Failure::invalid("set has instances, or is shared with another context; add its levels of detail before the first instance is made")
         })?;
-        let mesh = read_mesh(&def.mesh, "def.mesh")?;
+        let mesh = read_mesh(mesh, "mesh")?;
         let lod = set.add_lod(mesh, &Quiet(context.tasks()))?;
         let report = set.report().lods[lod - 1];
         let elsewhere = report.farthest > FAR_OFF * set.mesh().bounds().diagonal();
@@ -261,7 +252,8 @@ pub(super) fn add_set(
     Ok(())
 }
 
-pub(super) unsafe fn read_mesh(def: &CrumpleMeshDef, name: &str) -> Result<MeshData, Failure> {
+pub(super) unsafe fn read_mesh(def: *const CrumpleMeshDef, name: &str) -> Result<MeshData, Failure> {
+    let def = &self::def(def, name)?;
     let vertices = def.vertex_count as usize;
     if vertices == 0 {
         return Err(crate::base::error::Error::Mesh {

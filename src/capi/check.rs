@@ -77,7 +77,7 @@ pub(super) unsafe fn def<T: Def>(pointer: *const T, name: &str) -> Result<T, Fai
     Err(Failure::new(CrumpleResult::CrumpleErrorStructSize, message))
 }
 
-/// The C function that makes a def: `crumple_lod_def_default` for `CrumpleLodDef`.
+/// The C function that makes a def: `crumple_mesh_def_default` for `CrumpleMeshDef`.
 fn default_function<T>() -> String {
     let mut name = String::new();
     for character in std::any::type_name::<T>().rsplit("::").next().unwrap_or_default().chars() {

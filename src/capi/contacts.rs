@@ -75,7 +75,8 @@ pub struct CrumpleContactPointDef {
     pub impulse: f32,
     /// Masses of a and b, kg; INFINITY for a static or kinematic body. Default 0: unknown.
     pub masses: [f32; 2],
-    /// How easily the two move at the point along the normal, with rotation, 1/kg. Default 0: 1/m_a + 1/m_b.
+    /// Inverse of the effective mass of the two at the point along the normal, with rotation, 1/kg. Default 0: 1/m_a +
+    /// 1/m_b.
     pub inverse_mass: f32,
     /// Radii of the surfaces of a and b at the point, m: small for a corner, large for a flat face. Default 0: unknown.
     pub radii: [f32; 2],
@@ -91,15 +92,11 @@ defs!(CrumpleContactOptionsDef, CrumpleContactPointDef);
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CrumpleContactReport {
-    /// Points that were reported.
     pub points: u64,
-    /// Hits that instances got.
     pub hits: u64,
-    /// Touches that began.
+    /// Touches that began, ended, and last.
     pub begun: u64,
-    /// Touches that ended.
     pub ended: u64,
-    /// Touches that last.
     pub open: u64,
     /// Points that approached too slowly: resting, rolling and sliding bodies.
     pub slow: u64,
@@ -170,7 +167,6 @@ impl CrumpleContactHit {
     }
 }
 
-/// Returns the default options.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_contact_options_def_default() -> CrumpleContactOptionsDef {
     let o = ContactOptions::default();
@@ -187,13 +183,7 @@ pub extern "C" fn crumple_contact_options_def_default() -> CrumpleContactOptions
     }
 }
 
-/// Returns a point of which nothing is known. Set pair, bodies, point and normal, and what else is known.
-#[unsafe(no_mangle)]
-pub extern "C" fn crumple_contact_point_def_default() -> CrumpleContactPointDef {
-    CrumpleContactPointDef { impulse: -1.0, gain: 1.0, ..zeroed() }
-}
-
-/// Changes the options of the context's contacts. Touches that last go on with them. Any thread may call it at any time.
+/// Changes the options of the context's contacts. Touches that last go on with them. Any thread.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_set_contact_options(
     context: *mut CrumpleContext,
@@ -217,12 +207,16 @@ pub unsafe extern "C" fn crumple_context_set_contact_options(
     })
 }
 
+#[unsafe(no_mangle)]
+pub extern "C" fn crumple_contact_point_def_default() -> CrumpleContactPointDef {
+    CrumpleContactPointDef { impulse: -1.0, gain: 1.0, ..zeroed() }
+}
+
 /// Takes contact points of the current step of the physics: all, or none if one is wrong. Report every point of every
 /// pair, also of bodies that rest or slide, and call crumple_context_step_contacts() after the step: all points of one
 /// place make one dent, at any rate of steps, and what rests, rolls, slides or jitters makes none. Two instances share
-/// the energy of a blow by how they give way. Any thread may call it at any time. Errors:
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (names the point and its part; also more than max_points since the last step),
-/// CRUMPLE_ERROR_WRONG_RULE (an instance with a classic rule).
+/// the energy of a blow by how they give way. Any thread. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (names the point and
+/// its part; also more than max_points since the last step), CRUMPLE_ERROR_WRONG_RULE (a classic rule).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_report_contacts(
     context: *mut CrumpleContext,
@@ -235,9 +229,9 @@ pub unsafe extern "C" fn crumple_context_report_contacts(
     })
 }
 
-/// Ends a step of the physics that lasted so many seconds: turns the points reported since the last call into hits. Call it
-/// once after each step, also if nothing touched. The next read of the damage applies the hits. Their contact ids are 2^63
-/// and above; give other ids to your own hits. out_report may be null. Any thread may call it at any time.
+/// Ends a step of the physics that lasted so many seconds: turns the points reported since the last call into hits,
+/// which the next read of the damage applies. Call it once after each step, also if nothing touched. Their contact ids
+/// are 2^63 and above; give other ids to your own hits. out_report may be null. Any thread.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_step_contacts(
     context: *mut CrumpleContext,
@@ -261,8 +255,7 @@ pub unsafe extern "C" fn crumple_context_step_contacts(
 }
 
 /// Returns the hits that the last crumple_context_step_contacts() brought to instances, in no particular order. Ask after each
-/// step; there are at most as many as its report's hits. hits has room for capacity hits; see "Arrays" at the top. Any thread may
-/// call it at any time.
+/// step; there are at most as many as its report's hits. hits has room for capacity hits; see "Arrays" at the top. Any thread.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_get_contact_hits(
     context: *mut CrumpleContext,
@@ -280,7 +273,7 @@ fn contact_hits(context: &Context) -> MutexGuard<'_, Vec<CrumpleContactHit>> {
     context.contact_hits.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Returns the sums of all steps' reports; open is that of the last step. Any thread may call it at any time.
+/// Returns the sums of all steps' reports; open is that of the last step. Any thread.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_get_contact_totals(
     context: *mut CrumpleContext,
@@ -292,8 +285,7 @@ pub unsafe extern "C" fn crumple_context_get_contact_totals(
     })
 }
 
-/// Ends all touches and forgets the points that wait, as after loading a saved game. Dents stay. Any thread may call it at
-/// any time.
+/// Ends all touches and forgets the points that wait, as after loading a saved game. Dents stay. Any thread.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_clear_contacts(context: *mut CrumpleContext) -> CrumpleResult {
     concurrent("crumple_context_clear_contacts", context, |context| {

@@ -80,7 +80,7 @@ struct Contexts {
 /// Keeps context pointers looking like pointers: never small, always aligned.
 const STEP: usize = 64;
 
-fn find(context: *const CrumpleContext) -> Result<Arc<Context>, Failure> {
+pub(super) fn find(context: *const CrumpleContext) -> Result<Arc<Context>, Failure> {
     if context.is_null() {
         return Err(Failure::new(CrumpleResult::CrumpleErrorNullPointer, "context is null"));
     }
@@ -101,7 +101,7 @@ impl Context {
             Err(TryLockError::WouldBlock) => Err(Failure::new(
                 CrumpleResult::CrumpleErrorConcurrentUse,
                 "another thread is inside this context, or a callback calls back into it; take turns (only hits may be reported at any \
-                 time: crumple_instance_submit_..., _preview_... and _end_contact)",
+                 time: crumple_instance_submit_hit, _preview_hit and _end_contact)",
             )),
         }
     }
@@ -192,15 +192,13 @@ fn stay_loaded() {
     unsafe { GetModuleHandleExW(PIN | FROM_ADDRESS, stay_loaded as *const u16, &mut module) };
 }
 
-/// Returns the default options: one thread per core, no log.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_context_def_default() -> CrumpleContextDef {
     zeroed()
 }
 
-/// Creates a context. Data that its callbacks use must live until the context is destroyed. Any thread may call this.
-/// Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (more than 1024 threads, or 65535 contexts alive),
-/// CRUMPLE_ERROR_OUT_OF_MEMORY (the system cannot start the threads).
+/// Creates a context. Any thread may call this. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (more than 1024 threads, or
+/// 65535 contexts alive), CRUMPLE_ERROR_OUT_OF_MEMORY (the system cannot start the threads).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_create(
     def: *const CrumpleContextDef,
@@ -242,9 +240,9 @@ fn tag_of(number: usize) -> u16 {
     (number / STEP) as u16
 }
 
-/// Destroys a context and everything in it. It neither frees nor touches your own memory. The context and its ids
-/// become invalid. No other call may be running with this context. An attached Vulkan device must still exist.
-/// CRUMPLE_ERROR_FRAMES_IN_FLIGHT: nothing was destroyed; see crumple_vulkan_complete_frames().
+/// Destroys a context and everything in it, but neither frees nor touches your own memory. No other call may be running
+/// with this context. An attached Vulkan device must still exist. CRUMPLE_ERROR_FRAMES_IN_FLIGHT: nothing was
+/// destroyed; see crumple_vulkan_complete_frames().
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_destroy(context: *mut CrumpleContext) -> CrumpleResult {
     boundary("crumple_context_destroy", || {

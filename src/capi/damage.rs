@@ -61,8 +61,8 @@ pub unsafe extern "C" fn crumple_instance_save_damage(
 }
 
 /// Replaces an instance's damage with the size bytes of saved damage at data. Discards pending hits and ends contacts.
-/// Errors: CRUMPLE_ERROR_DAMAGE_MISMATCH (another set, version or rule, or cut short), CRUMPLE_ERROR_INVALID_ARGUMENT
-/// (a mark that the set cannot have).
+/// Errors: CRUMPLE_ERROR_DAMAGE_MISMATCH (another set, version or rule, cut short, or with a changed bit: it has a
+/// checksum), CRUMPLE_ERROR_INVALID_ARGUMENT (a mark that the set cannot have).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_load_damage(
     context: *mut CrumpleContext,
@@ -153,10 +153,9 @@ pub unsafe extern "C" fn crumple_instance_repair_damage(
     })
 }
 
-/// Repairs an instance around a point, as with a hammer. A dent whose contact is at the point keeps this share of its
-/// depth, 0 to 1. The share rises smoothly to 1 for contacts at radius. point and radius are in the mesh's space, m. A
-/// dent is repaired as a whole, also where it reaches beyond the radius. Ends contacts. CRUMPLE_ERROR_WRONG_RULE: a
-/// classic rule.
+/// Repairs an instance around a point of the mesh's space, m, as with a hammer. A dent whose contact is at the point
+/// keeps this share of its depth, 0 to 1, and one at radius, m, all of it. A dent is repaired as a whole, also where it
+/// reaches beyond the radius. Ends contacts. CRUMPLE_ERROR_WRONG_RULE: a classic rule.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_repair_around(
     context: *mut CrumpleContext,
@@ -185,9 +184,8 @@ pub unsafe extern "C" fn crumple_instance_reset_damage(
     })
 }
 
-/// Replaces an instance's damage with that of source, which needs an equal set and the same kind of rule. Discards the
-/// instance's pending hits and ends its contacts. Copying an instance to itself does nothing.
-/// CRUMPLE_ERROR_DAMAGE_MISMATCH: another set or rule.
+/// Replaces an instance's damage with that of source, which needs an equal set and the same kind of rule. Discards
+/// pending hits and ends contacts. From itself: does nothing. CRUMPLE_ERROR_DAMAGE_MISMATCH: another set or rule.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_copy_damage(
     context: *mut CrumpleContext,

@@ -1,5 +1,6 @@
 //! Deformation: marks become vertices.
 
+use super::buffer::{CrumpleBufferInfo, info};
 use super::check::{Out, array, write_array};
 use super::context::{CrumpleContext, exclusive};
 use super::host_memory::HostMemory;
@@ -29,11 +30,11 @@ pub struct CrumpleDeformReport {
     pub reserved: [u64; 3],
 }
 
-/// Limits how many vertices one crumple_context_deform(), recording, submit or plan writes, for frames with more hits
-/// than time. 0, as at first: no limit. A buffer is written whole or not at all. Those whose waiting would be seen most
-/// come first, by their vertices, how long they have waited, and how near they are; see crumple_instance_set_view().
-/// The others follow in later calls, with the same vertices. A buffer that does not show its instance yet never waits,
-/// and every call writes at least one buffer.
+/// Limits how many vertices a deform, recording, submit or plan writes, for frames with more hits than time; 0, as at
+/// first: no limit. A buffer is written whole or not at all, and at least one is written. Those whose waiting would be
+/// seen most come first, by their vertices, how long they have waited, and how near they are
+/// (crumple_instance_set_view()). The others follow in later calls, with the same vertices. A buffer that does not show
+/// its instance yet never waits.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_set_vertex_budget(
     context: *mut CrumpleContext,
@@ -181,23 +182,24 @@ fn apart<'a>(entries: impl Iterator<Item = (CrumpleBuffer, &'a BufferEntry)>) ->
 }
 
 /// Returns the buffers that the last crumple_context_deform() and the last recording or submit wrote to, by increasing
-/// index, so that you need not ask each.
+/// index, and whose they are.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_get_changed_buffers(
     context: *mut CrumpleContext,
-    buffers: *mut CrumpleBuffer,
+    buffers: *mut CrumpleBufferInfo,
     capacity: u32,
     out_count: *mut u32,
 ) -> CrumpleResult {
     exclusive("crumple_context_get_changed_buffers", context, |_, state| {
         let out = Out::new(out_count, "out_count")?;
         let changed = |entry: &BufferEntry| entry.included && !entry.changed().is_empty();
-        let found: Vec<_> = state.buffers.iter().filter(|(_, entry)| changed(entry)).map(|(id, _)| id).collect();
+        let written = state.buffers.iter().filter(|(_, entry)| changed(entry));
+        let found = written.map(|(id, entry)| info(id, entry, state)).collect::<Result<Vec<_>, _>>()?;
         write_array(&found, buffers, capacity as usize, "buffers", out)
     })
 }
 
-fn c_ranges(ranges: &[Range<u32>]) -> Result<Vec<CrumpleRange>, Failure> {
+pub(super) fn c_ranges(ranges: &[Range<u32>]) -> Result<Vec<CrumpleRange>, Failure> {
     let mut found = reserve(ranges.len(), "ranges")?;
     found.extend(ranges.iter().map(|r| CrumpleRange { first: r.start, count: r.end - r.start }));
     Ok(found)
@@ -230,39 +232,6 @@ pub unsafe extern "C" fn crumple_buffer_get_changes(
     })
 }
 
-/// Returns the triangles with a vertex that crumple_buffer_get_changes() returns, as increasing ranges that do not
-/// overlap, in the order of the mesh's indices. out_bounds, which may be null, receives a box around those vertices
-/// before and now, m, for the partial refit of a collider; zeros without changes. The time is linear in the triangles.
-/// Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (not a host buffer), CRUMPLE_ERROR_MESH (a mesh without indices).
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_buffer_get_changed_triangles(
-    context: *mut CrumpleContext,
-    buffer: CrumpleBuffer,
-    ranges: *mut CrumpleRange,
-    capacity: u32,
-    out_count: *mut u32,
-    out_bounds: *mut CrumpleAabb,
-) -> CrumpleResult {
-    exclusive("crumple_buffer_get_changed_triangles", context, |_, state| {
-        let outs = (Out::new(out_count, "out_count")?, Out::optional(out_bounds, "out_bounds")?);
-        let entry = state.buffers.get(buffer, "buffer")?;
-        let Memory::Host(_, tracker) = &entry.memory else {
-            let what = "buffer is not a host buffer; register one of the collider's level of detail";
-            return Err(Failure::invalid(what));
-        };
-        let set = state.instances.get(entry.owner, "instance")?.instance.example_set();
-        let triangles = set.lod_mesh(entry.lod)?.triangles();
-        if triangles.is_empty() {
-            let what = format!("the mesh of level of detail {} has no triangles; give it indices", entry.lod);
-            return Err(Failure::new(CrumpleResult::CrumpleErrorMesh, what));
-        }
-        let found = c_ranges(&tracker.changed_triangles(triangles))?;
-        write_array(&found, ranges, capacity as usize, "ranges", outs.0)?;
-        outs.1.write(tracker.changed_bounds().map_or_else(CrumpleAabb::default, CrumpleAabb::from));
-        Ok(())
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::{buffer::*, build::*, context::*, host_memory::*, instance::*, memory::*, types::*};
@@ -283,7 +252,7 @@ mod tests {
         let input = |a: &[f32]| CrumpleInput { data: a.as_ptr().cast(), size: size_of_val(a), stride: 12 };
         let example = CrumpleExampleDef { target_positions: input(&target), ..crumple_example_def_default() };
         let def = CrumpleExampleSetDef {
-            mesh: CrumpleMeshDef { vertex_count: 3, positions: input(&base), ..crumple_lod_def_default().mesh },
+            mesh: &CrumpleMeshDef { vertex_count: 3, positions: input(&base), ..crumple_mesh_def_default() },
             examples: &example,
             example_count: 1,
             ..crumple_example_set_def_default()

@@ -1,5 +1,6 @@
 //! Hits: what the physics engine reports.
 
+use super::c_enum::c_enums;
 use super::check::{Out, array, def, defs, enumerator, finite, positive_or, striker, zeroed};
 use super::context::{CrumpleContext, concurrent, exclusive};
 use super::result::{CrumpleResult, Failure};
@@ -7,23 +8,36 @@ use super::types::{CrumpleInstance, CrumpleStriker, CrumpleVec3};
 use crate::base::error::reserve;
 use crate::damage::mark::Mark;
 use crate::example::blow::Blow;
-use crate::instance::inbox::Inbox;
 use crate::select::hit::{Cause, Hit, HitStatus, Outcome, Space};
-use std::ffi::c_void;
 use std::mem::MaybeUninit;
 use std::num::NonZeroU64;
 
-/// A hit given as a blow. point and vectors are in the given space (default CRUMPLE_SPACE_LOCAL). Give impulse, or mass
-/// and velocity of the striker. Report a contact once with its whole impulse, or in parts with a contact_id. If any
-/// example of the set knows its blow, the set predicts the displacement of the contact: give as much of the blow as the
-/// engine knows. Otherwise the displacement is impulse * the instance's compliance, or impulse * duration / mass.
+/// How a hit is given.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(dead_code)] // made by C
+pub enum CrumpleHitKind {
+    /// As a blow: by its impulse, or by the mass and velocity of the striker. If any example of the set knows its blow,
+    /// the set predicts the displacement of the contact: give as much of the blow as the engine knows. Otherwise the
+    /// displacement is impulse * the instance's compliance, or impulse * duration / mass. The default.
+    Blow = 0,
+    /// As the displacement of the contact, for engines with their own impulse-to-depth mapping. The dent does not depend
+    /// on the frame rate. The fields of blows are unused.
+    Displacement = 1,
+}
+
+/// A hit. Report a contact once with its whole impulse, or in parts with a contact_id.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
-pub struct CrumpleImpulseDef {
+pub struct CrumpleHitDef {
     pub struct_size: u32,
+    pub kind: MaybeUninit<CrumpleHitKind>,
+    /// The space of point and of all vectors. Default CRUMPLE_SPACE_LOCAL.
     pub space: MaybeUninit<Space>,
     /// Where the body was hit, m. The nearest vertex becomes the contact.
     pub point: CrumpleVec3,
+    /// For CRUMPLE_HIT_KIND_DISPLACEMENT: the target displacement of the contact, m.
+    pub displacement: CrumpleVec3,
     /// The impulse on the body, N s. Default 0: striker.mass * striker.velocity. If that is 0 too, there is no mark.
     pub impulse: CrumpleVec3,
     /// How long the impulse acted, s: a constant of the material such as 0.01, not the time step. Required if no example
@@ -38,20 +52,8 @@ pub struct CrumpleImpulseDef {
     pub contact_id: u64,
 }
 
-/// A hit given as the desired contact displacement, for engines with their own impulse-to-depth mapping. The dent does
-/// not depend on the frame rate. Fields without a comment are as in CrumpleImpulseDef.
-#[repr(C)]
-#[derive(Debug, Clone, Copy)]
-pub struct CrumpleDisplacementDef {
-    pub struct_size: u32,
-    pub space: MaybeUninit<Space>,
-    pub point: CrumpleVec3,
-    /// Target displacement of the contact, m.
-    pub displacement: CrumpleVec3,
-    pub contact_id: u64,
-}
-
-defs!(CrumpleImpulseDef, CrumpleDisplacementDef);
+c_enums!(CrumpleHitKind::Displacement);
+defs!(CrumpleHitDef);
 
 /// An example that a hit uses.
 #[repr(C)]
@@ -138,119 +140,91 @@ impl From<&Outcome> for CrumpleHitResult {
     }
 }
 
-/// Returns a zero impulse in the mesh's space. Set point and impulse, and what else is known.
 #[unsafe(no_mangle)]
-pub extern "C" fn crumple_impulse_def_default() -> CrumpleImpulseDef {
-    zeroed()
-}
-
-/// Returns a zero displacement in the mesh's space. Set point and displacement.
-#[unsafe(no_mangle)]
-pub extern "C" fn crumple_displacement_def_default() -> CrumpleDisplacementDef {
+pub extern "C" fn crumple_hit_def_default() -> CrumpleHitDef {
     zeroed()
 }
 
 /// Submits a hit. The call selects the examples. The next read of the damage applies the mark (see "Reads" at the top).
 /// A hit that is too weak, or that no example fits, is not an error; see out_result->status. out_result may be null.
-/// With a contact_id, it describes this hit alone. May be called from any thread at any time, except while the instance
-/// or context is being destroyed. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a negative duration, mass or radius; no
-/// duration, or no mass in def and set, where they are needed), CRUMPLE_ERROR_CONTACT_TOO_FAR, CRUMPLE_ERROR_WRONG_RULE
-/// (a contact_id with a classic rule).
+/// With a contact_id, it describes this hit alone. Any thread. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a negative
+/// duration, mass or radius; no duration, or no mass in def and set, where they are needed),
+/// CRUMPLE_ERROR_CONTACT_TOO_FAR, CRUMPLE_ERROR_WRONG_RULE (a contact_id with a classic rule).
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_instance_submit_impulse(
+pub unsafe extern "C" fn crumple_instance_submit_hit(
     context: *mut CrumpleContext,
     instance: CrumpleInstance,
-    def: *const CrumpleImpulseDef,
+    def: *const CrumpleHitDef,
     out_result: *mut CrumpleHitResult,
 ) -> CrumpleResult {
-    submit("crumple_instance_submit_impulse", context, instance, || read_impulse(def), Effect::Submit, out_result)
+    concurrent("crumple_instance_submit_hit", context, |context| {
+        let (out, hit) = (Out::optional(out_result, "out_result")?, read_hit(def)?);
+        let outcome = context.deliver(instance, |inbox| inbox.submit(&hit))?;
+        out.write((&outcome).into());
+        Ok(())
+    })
 }
 
-/// Like crumple_instance_submit_impulse(), but for a displacement.
+/// Submits count hits, each to the instance at the same index: all, or none, and the message names the first wrong one.
+/// out_results is null, or has room for count results. Otherwise like crumple_instance_submit_hit().
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_instance_submit_displacement(
-    context: *mut CrumpleContext,
-    instance: CrumpleInstance,
-    def: *const CrumpleDisplacementDef,
-    out_result: *mut CrumpleHitResult,
-) -> CrumpleResult {
-    submit(
-        "crumple_instance_submit_displacement",
-        context,
-        instance,
-        || read_displacement(def),
-        Effect::Submit,
-        out_result,
-    )
-}
-
-/// Submits count hits, each to the instance at the same index. Either all are submitted, or none and the message names
-/// the first wrong one. out_results is null, or has room for count results. Otherwise like
-/// crumple_instance_submit_impulse().
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_context_submit_impulses(
+pub unsafe extern "C" fn crumple_context_submit_hits(
     context: *mut CrumpleContext,
     instances: *const CrumpleInstance,
-    defs: *const CrumpleImpulseDef,
+    defs: *const CrumpleHitDef,
     count: u32,
     out_results: *mut CrumpleHitResult,
 ) -> CrumpleResult {
-    let read = |i| read_impulse(defs.wrapping_add(i));
-    submit_all("crumple_context_submit_impulses", context, instances, (defs.cast(), count), read, out_results)
+    concurrent("crumple_context_submit_hits", context, |context| {
+        let count = count as usize;
+        if count == 0 {
+            return Ok(());
+        }
+        let instances = array(instances, count, "instances")?;
+        if defs.is_null() {
+            return Err(Failure::null("defs"));
+        }
+        let _ = Out::optional(out_results, "out_results")?;
+        let mut hits = Vec::new();
+        for (i, instance) in instances.iter().enumerate() {
+            let hit = read_hit(defs.wrapping_add(i)).map_err(|failure| failure.of_hit(i))?;
+            if i == 0 {
+                // The first hit was read before, so that a wrong count asks for no memory.
+                hits = reserve(count, "hits")?;
+            }
+            hits.push((*instance, hit));
+        }
+        let outcomes = context.deliver_all(&hits)?;
+        if !out_results.is_null() {
+            outcomes.iter().enumerate().for_each(|(i, outcome)| out_results.add(i).write(outcome.into()));
+        }
+        Ok(())
+    })
 }
 
-/// Like crumple_context_submit_impulses(), but for displacements.
+/// Returns what crumple_instance_submit_hit() would, without leaving a mark. out_result is required. Any thread.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_context_submit_displacements(
-    context: *mut CrumpleContext,
-    instances: *const CrumpleInstance,
-    defs: *const CrumpleDisplacementDef,
-    count: u32,
-    out_results: *mut CrumpleHitResult,
-) -> CrumpleResult {
-    let read = |i| read_displacement(defs.wrapping_add(i));
-    submit_all("crumple_context_submit_displacements", context, instances, (defs.cast(), count), read, out_results)
-}
-
-/// Computes the result of crumple_instance_submit_impulse() without leaving a mark. out_result is required. May be
-/// called from any thread at any time.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_instance_preview_impulse(
-    context: *mut CrumpleContext,
-    instance: CrumpleInstance,
-    def: *const CrumpleImpulseDef,
-    out_result: *mut CrumpleHitResult,
-) -> CrumpleResult {
-    submit("crumple_instance_preview_impulse", context, instance, || read_impulse(def), Effect::Preview, out_result)
-}
-
-/// Like crumple_instance_preview_impulse(), but for a displacement.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_instance_preview_displacement(
+pub unsafe extern "C" fn crumple_instance_preview_hit(
     context: *mut CrumpleContext,
     instance: CrumpleInstance,
-    def: *const CrumpleDisplacementDef,
+    def: *const CrumpleHitDef,
     out_result: *mut CrumpleHitResult,
 ) -> CrumpleResult {
-    submit(
-        "crumple_instance_preview_displacement",
-        context,
-        instance,
-        || read_displacement(def),
-        Effect::Preview,
-        out_result,
-    )
+    concurrent("crumple_instance_preview_hit", context, |context| {
+        let (out, hit) = (Out::new(out_result, "out_result")?, read_hit(def)?);
+        let outcome = context.deliver(instance, |inbox| inbox.preview(&hit))?;
+        out.write((&outcome).into());
+        Ok(())
+    })
 }
 
-/// Ends a contact. Its dent stays; later hits with the same id begin a new contact. Use contacts if your physics engine
-/// reports one contact as many small impulses. Give each of these hits the same contact_id, any number but 0, and end
-/// the contact when the bodies separate. Together they make the dent of the whole impulse, at any frame rate: their
-/// impulses or displacements add up, and the place is the mean of their points, weighted by these. Yield thresholds and
-/// depth limit apply to the sum. A contact has one mark, which is replaced as hits arrive.
-///
-/// Ending an unknown id is not an error. Contacts also end when the instance's damage is set, loaded, copied to it,
-/// repaired or reset. At most 256 are open per instance; above that, the one hit longest ago ends. May be called from
-/// any thread at any time. CRUMPLE_ERROR_WRONG_RULE: a classic rule.
+/// Ends a contact. Its dent stays; later hits with the same id begin a new one. Contacts are for engines that report
+/// one contact as many small impulses and do not use crumple_context_report_contacts(). Give these hits the same
+/// contact_id, any number but 0, and end the contact when the bodies separate. Together they make one dent, that of
+/// their sum at the mean of their points, at any frame rate. Yield thresholds and depth limit apply to the sum. Ending
+/// an unknown id is not an error. Contacts also end when the damage is set, loaded, copied to the instance, repaired or
+/// reset, and the one hit longest ago when more than 256 are open. Any thread. CRUMPLE_ERROR_WRONG_RULE: a classic
+/// rule.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_end_contact(
     context: *mut CrumpleContext,
@@ -263,9 +237,9 @@ pub unsafe extern "C" fn crumple_instance_end_contact(
     })
 }
 
-/// Returns the result of a contact, all its hits taken as one. The contact is open, or among the 256 of the instance
-/// that ended last. The status is CRUMPLE_HIT_STATUS_BELOW_YIELD if there is no such contact or the sum is too weak.
-/// CRUMPLE_ERROR_WRONG_RULE: a classic rule.
+/// Returns the result of all hits of a contact taken as one. The contact is open, or one of the 256 that ended last. If
+/// there is none, or the sum is too weak, the status is CRUMPLE_HIT_STATUS_BELOW_YIELD. CRUMPLE_ERROR_WRONG_RULE: a
+/// classic rule.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_get_contact(
     context: *mut CrumpleContext,
@@ -287,15 +261,17 @@ fn contact(id: u64) -> Result<NonZeroU64, Failure> {
         .ok_or_else(|| Failure::invalid("contact_id is 0; it must be the id that hits were given, not 0"))
 }
 
-/// Whether a hit leaves a mark.
-#[derive(Clone, Copy, PartialEq)]
-enum Effect {
-    Submit,
-    Preview,
+unsafe fn read_hit(def: *const CrumpleHitDef) -> Result<Hit, Failure> {
+    let def = self::def(def, "def")?;
+    let cause = match enumerator(def.kind, "def.kind")? {
+        CrumpleHitKind::Blow => read_blow(&def)?,
+        CrumpleHitKind::Displacement => Cause::Displacement(finite(def.displacement.array(), "def.displacement")?),
+    };
+    let (point, space) = (finite(def.point.array(), "def.point")?, enumerator(def.space, "def.space")?);
+    Ok(Hit { point, cause, space, contact: NonZeroU64::new(def.contact_id) })
 }
 
-unsafe fn read_impulse(def: *const CrumpleImpulseDef) -> Result<Hit, Failure> {
-    let def = self::def(def, "def")?;
+fn read_blow(def: &CrumpleHitDef) -> Result<Cause, Failure> {
     let mass = positive_or(def.mass, "def.mass", "kg", "that of the set")?;
     let impulse = finite(def.impulse.array(), "def.impulse")?;
     let [duration] = finite([def.duration], "def.duration")?;
@@ -310,71 +286,5 @@ unsafe fn read_impulse(def: *const CrumpleImpulseDef) -> Result<Hit, Failure> {
         // Zero: the hit is too weak, not wrong.
         blow.impulse = Some(impulse);
     }
-    let cause = Cause::Impulse { blow, mass };
-    hit(def.point, def.space, def.contact_id, cause)
-}
-
-unsafe fn read_displacement(def: *const CrumpleDisplacementDef) -> Result<Hit, Failure> {
-    let def = self::def(def, "def")?;
-    let cause = Cause::Displacement(finite(def.displacement.array(), "def.displacement")?);
-    hit(def.point, def.space, def.contact_id, cause)
-}
-
-fn hit(point: CrumpleVec3, space: MaybeUninit<Space>, contact_id: u64, cause: Cause) -> Result<Hit, Failure> {
-    let space = enumerator(space, "def.space")?;
-    Ok(Hit { point: finite(point.array(), "def.point")?, cause, space, contact: NonZeroU64::new(contact_id) })
-}
-
-unsafe fn submit(
-    call: &'static str,
-    context: *const CrumpleContext,
-    instance: CrumpleInstance,
-    read: impl FnOnce() -> Result<Hit, Failure>,
-    effect: Effect,
-    out: *mut CrumpleHitResult,
-) -> CrumpleResult {
-    concurrent(call, context, |context| {
-        let preview = effect == Effect::Preview;
-        let out = if preview { Out::new(out, "out_result") } else { Out::optional(out, "out_result") }?;
-        let hit = read()?;
-        let bring = |inbox: &Inbox| if preview { inbox.preview(&hit) } else { inbox.submit(&hit) };
-        let outcome = context.deliver(instance, bring)?;
-        out.write((&outcome).into());
-        Ok(())
-    })
-}
-
-unsafe fn submit_all(
-    call: &'static str,
-    context: *const CrumpleContext,
-    instances: *const CrumpleInstance,
-    (defs, count): (*const c_void, u32),
-    read: impl Fn(usize) -> Result<Hit, Failure>,
-    out: *mut CrumpleHitResult,
-) -> CrumpleResult {
-    concurrent(call, context, |context| {
-        let count = count as usize;
-        if count == 0 {
-            return Ok(());
-        }
-        let instances = array(instances, count, "instances")?;
-        if defs.is_null() {
-            return Err(Failure::null("defs"));
-        }
-        let _ = Out::optional(out, "out_results")?;
-        let mut hits = Vec::new();
-        for (i, instance) in instances.iter().enumerate() {
-            let hit = read(i).map_err(|failure| failure.of_hit(i))?;
-            if i == 0 {
-                // The first hit was read before, so that a wrong count asks for no memory.
-                hits = reserve(count, "hits")?;
-            }
-            hits.push((*instance, hit));
-        }
-        let outcomes = context.deliver_all(&hits)?;
-        if !out.is_null() {
-            outcomes.iter().enumerate().for_each(|(i, outcome)| out.add(i).write(outcome.into()));
-        }
-        Ok(())
-    })
+    Ok(Cause::Impulse { blow, mass })
 }

@@ -16,6 +16,8 @@ pub struct CrumpleHostBufferDef {
     pub struct_size: u32,
     /// Which mesh: 0 for the base mesh, or a number from crumple_example_set_add_lod(). Default 0.
     pub lod: u32,
+    /// Any number of yours. Default 0.
+    pub user_data: u64,
     /// Positions, m. Required.
     pub positions: CrumpleStream,
     /// Unit normals in normal_format. Absent: not written.
@@ -23,9 +25,7 @@ pub struct CrumpleHostBufferDef {
     /// Tangents in tangent_format: xyz of unit length and orthogonal to the normal, w as in the mesh. Absent: not
     /// written.
     pub tangents: CrumpleStream,
-    /// Format of normals. Default CRUMPLE_DIRECTION_FORMAT_FLOAT.
     pub normal_format: MaybeUninit<CrumpleDirectionFormat>,
-    /// Format of tangents. Default CRUMPLE_DIRECTION_FORMAT_FLOAT.
     pub tangent_format: MaybeUninit<CrumpleDirectionFormat>,
 }
 

@@ -1,7 +1,8 @@
 //! Instances: bodies in the scene.
 
+use super::boundary::succeeds;
 use super::check::{Out, def, defs, enumerator, finite, positive_or, read, zeroed};
-use super::context::{CrumpleContext, concurrent, exclusive};
+use super::context::{CrumpleContext, concurrent, exclusive, find};
 use super::result::{CrumpleResult, Failure};
 use super::store::InstanceEntry;
 use super::types::{CrumpleExampleSet, CrumpleInstance, CrumpleRule, CrumpleSelection};
@@ -21,6 +22,8 @@ pub struct CrumpleInstanceDef {
     pub examples_per_hit: u32,
     /// The example set, which the instance keeps alive. Required.
     pub set: CrumpleExampleSet,
+    /// Any number of yours, such as an entity or a pointer. Default 0.
+    pub user_data: u64,
     pub rule: MaybeUninit<CrumpleRule>,
     /// How a classic rule selects an example. CRUMPLE_RULE_MARKS needs the default.
     pub selection: MaybeUninit<CrumpleSelection>,
@@ -69,7 +72,6 @@ pub struct CrumpleInstanceInfo {
     pub reserved: [u32; 2],
 }
 
-/// Returns the default options. Set the example set.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_instance_def_default() -> CrumpleInstanceDef {
     let options = InstanceOptions::default();
@@ -101,7 +103,12 @@ pub unsafe extern "C" fn crumple_instance_create(
         state.instances.reserve::<CrumpleInstance>()?;
         inboxes.reserve::<CrumpleInstance>()?;
         let inbox: CrumpleInstance = inboxes.insert(instance.inbox().clone());
-        let id = state.instances.insert(InstanceEntry { instance, set: def.set, buffers: Vec::new() });
+        let id = state.instances.insert(InstanceEntry {
+            instance,
+            set: def.set,
+            buffers: Vec::new(),
+            user_data: def.user_data,
+        });
         assert_eq!(inbox, id, "the two lists of instances went apart");
         out.write(id);
         Ok(())
@@ -159,6 +166,39 @@ pub unsafe extern "C" fn crumple_instance_destroy(
     })
 }
 
+/// Returns whether an id is that of an instance of the context. Any thread.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_instance_is_valid(context: *mut CrumpleContext, instance: CrumpleInstance) -> bool {
+    succeeds(|| find(context)?.deliver(instance, |_| Ok(())))
+}
+
+/// Sets the user_data of an instance. A released part begins with that of its body.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_instance_set_user_data(
+    context: *mut CrumpleContext,
+    instance: CrumpleInstance,
+    user_data: u64,
+) -> CrumpleResult {
+    exclusive("crumple_instance_set_user_data", context, |_, state| {
+        state.instances.get_mut(instance, "instance")?.user_data = user_data;
+        Ok(())
+    })
+}
+
+/// Returns the user_data of an instance.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_instance_get_user_data(
+    context: *mut CrumpleContext,
+    instance: CrumpleInstance,
+    out_data: *mut u64,
+) -> CrumpleResult {
+    exclusive("crumple_instance_get_user_data", context, |_, state| {
+        let out = Out::new(out_data, "out_data")?;
+        out.write(state.instances.get(instance, "instance")?.user_data);
+        Ok(())
+    })
+}
+
 /// Returns the state of an instance.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_get_info(
@@ -190,8 +230,7 @@ pub unsafe extern "C" fn crumple_instance_get_info(
 
 /// Sets the transform: local_to_world points to 16 floats, column-major (element 4 * column + row, as in glTF and
 /// Vulkan), translation in elements 12 to 14, m, last row 0 0 0 1. It may scale and shear, but must be invertible. Hits
-/// in CRUMPLE_SPACE_WORLD use its inverse at the time of the call, without translation for vectors. Deformed vertices
-/// are in the mesh's space. Any thread may call it at any time.
+/// in CRUMPLE_SPACE_WORLD use its inverse at the time of the call, without translation for vectors. Any thread.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_set_transform(
     context: *mut CrumpleContext,
@@ -219,9 +258,9 @@ pub unsafe extern "C" fn crumple_instance_set_depth_limit(
     })
 }
 
-/// Sets the time, s, for instances with a grow_time. Call it once a frame before deforming. The vertices and attached
+/// Sets the time, s, for instances with a grow_time. Call it once a frame before deforming. Vertices and attached
 /// points of a dent that appears, changes or is repaired go evenly to where its mark puts them, from the time that was
-/// set when the change was read. Marks change at once. Damage that is set, loaded, copied or reset is shown at once.
+/// set when the change was read. Marks change at once, and so does damage that is set, loaded, copied or reset.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_set_time(context: *mut CrumpleContext, time: f64) -> CrumpleResult {
     exclusive("crumple_context_set_time", context, |_, state| {
@@ -236,10 +275,9 @@ pub unsafe extern "C" fn crumple_context_set_time(context: *mut CrumpleContext, 
     })
 }
 
-/// Allows an error of up to tolerance in vertex positions, m, in the mesh's space. Deforming then skips small
-/// displacements and is cheaper. 0: none. Seams stay closed. The value is rounded down to a power of two in metres, so
-/// that you may set it from crumple_pixel_tolerance() every frame. When the rounded value changes, the next deform
-/// writes every dented block. Classic rules ignore it.
+/// Allows an error of up to tolerance in vertex positions, m, in the mesh's space: small displacements are skipped,
+/// which is cheaper. 0: none. Seams stay closed. Rounded down to a power of two in metres, so that you may set it every
+/// frame; when the rounded value changes, the next deform writes every dented block. Classic rules ignore it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_set_tolerance(
     context: *mut CrumpleContext,

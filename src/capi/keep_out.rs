@@ -33,11 +33,10 @@ pub unsafe extern "C" fn crumple_mesh_keep_out(
     out_limits: *mut f32,
 ) -> CrumpleResult {
     boundary("crumple_mesh_keep_out", || {
-        usable(mesh, "mesh")?;
         usable(out_limits, "out_limits")?;
-        let mut mesh = read_mesh(&*mesh, "mesh")?;
+        let mut mesh = read_mesh(mesh, "mesh")?;
         let capsules = array(capsules, capsule_count as usize, "capsules")?;
-        let meshes = array(meshes, mesh_count as usize, "meshes")?;
+        let meshes: &[CrumpleMeshDef] = array(meshes, mesh_count as usize, "meshes")?;
         let mut solids = reserve(capsules.len() + meshes.len(), "solids")?;
         solids.extend(capsules.iter().map(|c| Solid::Capsule { a: c.a.array(), b: c.b.array(), radius: c.radius }));
         for (i, solid) in meshes.iter().enumerate() {

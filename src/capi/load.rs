@@ -30,7 +30,6 @@ pub struct CrumpleGltfDef {
     /// Path of the .glb or .gltf file, UTF-8. For crumple_example_set_load_gltf_memory(): the folder of other files
     /// that the glTF refers to. If it is null there, a glTF that refers to files is an error.
     pub path: *const c_char,
-    pub options: CrumpleExampleSetOptions,
     /// Whether to join the meshes of all nodes, but those of other scenes, to one body, each where its node places it. Default
     /// false. Each node with a mesh then is a part: lods 1 and up, in the order of the nodes; see
     /// crumple_example_set_find_part(). If there are more than 63, the smallest belong to the part of a node above them. Morph
@@ -51,6 +50,7 @@ pub struct CrumpleGltfDef {
     pub glass: *const c_char,
     /// Patterns of nodes that move on their own, such as wheels: they are no part of a joined body.
     pub moving: *const c_char,
+    pub options: CrumpleExampleSetOptions,
 }
 
 /// A base OBJ file, its example files, and the options of the set.
@@ -69,16 +69,9 @@ pub struct CrumpleObjDef {
 
 defs!(CrumpleGltfDef, CrumpleObjDef);
 
-/// Returns a def for the first mesh whose morph targets move it, with default options. Set the path.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_gltf_def_default() -> CrumpleGltfDef {
     CrumpleGltfDef { mesh_index: u32::MAX, options: default_options(), unit: 1.0, ..zeroed() }
-}
-
-/// Returns a def with default options. Set the paths.
-#[unsafe(no_mangle)]
-pub extern "C" fn crumple_obj_def_default() -> CrumpleObjDef {
-    CrumpleObjDef { options: default_options(), ..zeroed() }
 }
 
 /// Builds an example set from a glTF 2.0 or GLB file: a mesh with its morph targets. Primitives are joined in their
@@ -135,6 +128,11 @@ pub unsafe extern "C" fn crumple_example_set_load_gltf_memory(
             Err(Failure::not_built("gltf"))
         }
     })
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn crumple_obj_def_default() -> CrumpleObjDef {
+    CrumpleObjDef { options: default_options(), ..zeroed() }
 }
 
 /// Builds an example set from a base OBJ file and one OBJ file per example. Examples are named after their files. Each

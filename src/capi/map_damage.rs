@@ -24,6 +24,7 @@ pub struct CrumpleDamageMapping {
     /// How many examples are missing that marks need, and the first of them: its index in the old set. 0xFFFFFFFF: none.
     pub missing_examples: u32,
     pub first_missing_example: u32,
+    pub reserved: [u32; 3],
 }
 
 /// Maps damage that was saved with old_set to set, another revision of it: a changed mesh, other examples. Each mark
@@ -59,6 +60,7 @@ pub unsafe extern "C" fn crumple_example_set_map_damage(
             distance: done.distance,
             missing_examples: done.missing_examples.len() as u32,
             first_missing_example: done.missing_examples.first().map_or(u32::MAX, |e| u32::from(*e)),
+            reserved: [0; 3],
         });
         Ok(())
     })

@@ -20,7 +20,6 @@
 #![cfg_attr(not(feature = "vulkan"), allow(irrefutable_let_patterns))]
 
 // crumple.h
-mod allocator;
 mod buffer;
 mod contacts;
 mod context;
@@ -49,7 +48,12 @@ mod primitive;
 
 // crumple_parts.h
 mod attach;
+mod colliders;
 mod parts;
+
+// crumple_host.h
+mod allocator;
+mod share;
 
 // crumple_vulkan.h
 mod vulkan;
@@ -79,9 +83,9 @@ mod thread_tests;
 #[doc(hidden)]
 pub mod entry_points {
     pub use super::{
-        allocator::*, attach::*, buffer::*, build::*, contacts::*, context::*, damage::*, deform::*, example_info::*,
-        graph::*, graph_types::*, hit::*, host_memory::*, instance::*, keep_out::*, load::*, map_damage::*, memory::*,
-        parts::*, primitive::*, result::*, set::*, set_info::*, tasks::*, types::*, version::*, vulkan::*,
-        vulkan_types::*,
+        allocator::*, attach::*, buffer::*, build::*, colliders::*, contacts::*, context::*, damage::*, deform::*,
+        example_info::*, graph::*, graph_types::*, hit::*, host_memory::*, instance::*, keep_out::*, load::*,
+        map_damage::*, memory::*, parts::*, primitive::*, result::*, set::*, set_info::*, share::*, tasks::*, types::*,
+        version::*, vulkan::*, vulkan_types::*,
     };
 }

@@ -32,9 +32,9 @@ pub unsafe extern "C" fn crumple_instance_release_part(
             |buffer: &CrumpleBuffer| state.buffers.get(*buffer, "buffer").is_ok_and(|entry| entry.lod == part as usize);
         let (moved, kept) = body.buffers.iter().partition(|buffer| is_of_part(buffer));
         body.buffers = kept;
-        let set = body.set;
+        let (set, user_data) = (body.set, body.user_data);
         let inbox: CrumpleInstance = inboxes.insert(released.inbox().clone());
-        let id = state.instances.insert(InstanceEntry { instance: released, set, buffers: moved });
+        let id = state.instances.insert(InstanceEntry { instance: released, set, buffers: moved, user_data });
         assert_eq!(inbox, id, "the two lists of instances went apart");
         for buffer in &state.instances.get(id, "part")?.buffers {
             state.buffers.get_mut(*buffer, "buffer")?.owner = id;

@@ -13,11 +13,10 @@ use std::mem::MaybeUninit;
 #[allow(clippy::enum_variant_names)] // the C names
 pub enum CrumpleResult {
     CrumpleOk = 0,
-    /// A value is outside its range, or the call is not allowed in the current state.
+    /// A number outside its range, no enumerator, a stride that is too small, streams that overlap, text that is not
+    /// UTF-8, or a call that is not allowed in the current state.
     CrumpleErrorInvalidArgument = 1,
-    /// A number is NaN or infinite.
     CrumpleErrorNotFinite = 2,
-    /// An index is not below its count.
     CrumpleErrorIndexOutOfRange = 3,
     /// The base mesh cannot be used.
     CrumpleErrorMesh = 4,
@@ -33,23 +32,20 @@ pub enum CrumpleResult {
     CrumpleErrorUnsupported = 9,
     /// A file is malformed, or bytes in memory are.
     CrumpleErrorFormat = 10,
-    /// The operating system refused to read or write a file.
+    /// The system refused to read or write a file.
     CrumpleErrorIo = 11,
     /// The damage belongs to another example set, rule or version.
     CrumpleErrorDamageMismatch = 12,
-    /// Memory ran out. See "Memory" at the top.
     CrumpleErrorOutOfMemory = 13,
     /// The call does not work with the instance's rule.
     CrumpleErrorWrongRule = 14,
-    /// A Vulkan function failed.
     CrumpleErrorVulkan = 15,
     /// The Vulkan device is lost. Damage is not lost.
     CrumpleErrorDeviceLost = 16,
-    /// A required pointer is null.
     CrumpleErrorNullPointer = 64,
     /// The struct_size of a def is wrong. Start from the def's crumple_..._def_default function.
     CrumpleErrorStructSize = 65,
-    /// An id is null or of another context, or an id or a context was destroyed.
+    /// An id is null or of another context, or its object or the context was destroyed.
     CrumpleErrorInvalidId = 66,
     /// Two threads used one context at once, or a callback called back into its context.
     CrumpleErrorConcurrentUse = 67,
@@ -174,9 +170,9 @@ pub(super) fn remember(call: &str, message: &str) {
     });
 }
 
-/// Returns the message of the calling thread's last failed call, as UTF-8: "crumple_instance_create: ...". It names the
-/// wrong value and what would be right. It is empty before the first failure; calls that succeed leave it unchanged.
-/// The text stays valid until the thread's next failed call. It has at most 1023 bytes and is never null.
+/// Returns the message of the calling thread's last failed call, UTF-8: "crumple_instance_create: ...". It names the
+/// wrong value and what would be right. Empty before the first failure; calls that succeed leave it unchanged. Valid
+/// until the thread's next failed call; at most 1023 bytes, never null.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_last_error() -> *const c_char {
     // A thread that is ending has lost its text already.

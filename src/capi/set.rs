@@ -1,10 +1,11 @@
 //! Example sets: loaded from baked files, shared, destroyed.
 
+use super::boundary::succeeds;
 use super::c_enum::c_enums;
 use super::check::{Out, array, enumerator, required_string};
 use super::context::{Context, CrumpleContext, CrumpleLogLevel, exclusive, look_into};
 use super::primitive::CrumplePrimitive;
-use super::result::{CrumpleResult, Failure};
+use super::result::CrumpleResult;
 use super::store::{SetEntry, State};
 use super::tasks::Quiet;
 use super::types::CrumpleExampleSet;
@@ -20,18 +21,16 @@ use std::sync::Arc;
 pub enum CrumpleBytes {
     /// The bytes are copied. Free them after the call.
     Copy = 0,
-    /// The bytes are used in place. They must stay readable and unchanged until the set and all its instances are
-    /// destroyed, or the context is; if the set is shared, in all its contexts. Bytes whose address is not a multiple of
-    /// 16 are copied.
+    /// The bytes are used in place. They must stay readable and unchanged until the set, all its instances and its
+    /// shared copies are destroyed. Bytes whose address is not a multiple of 16 are copied.
     Keep = 1,
 }
 
 c_enums!(CrumpleBytes::Keep);
 
 /// Loads an example set from the size bytes of a .crumple file at data, written by "crumple bake" or
-/// crumple_example_set_save_baked(). Loading builds nothing and is fast. All bytes are validated. The set has one
-/// primitive, no name and no node transform. Errors: CRUMPLE_ERROR_FORMAT (damaged, cut short, or not a baked set),
-/// CRUMPLE_ERROR_UNSUPPORTED (another format version).
+/// crumple_example_set_save_baked(). Loading builds nothing, but checks all bytes. Errors: CRUMPLE_ERROR_FORMAT
+/// (damaged, cut short, or not a baked set), CRUMPLE_ERROR_UNSUPPORTED (another format version).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_load_baked_memory(
     context: *mut CrumpleContext,
@@ -52,8 +51,7 @@ pub unsafe extern "C" fn crumple_example_set_load_baked_memory(
     })
 }
 
-/// Like crumple_example_set_load_baked_memory(), but reads a file into memory. path is UTF-8. Also returns
-/// CRUMPLE_ERROR_IO.
+/// Like crumple_example_set_load_baked_memory(), but reads the file at path, UTF-8. Also returns CRUMPLE_ERROR_IO.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_load_baked(
     context: *mut CrumpleContext,
@@ -108,26 +106,10 @@ pub(super) fn insert_set(
     id
 }
 
-/// Gives a set to another context too, without a copy, such as one that loads levels on another thread. Destroying the
-/// set in one does not affect the other. Both contexts are in use during the call. Add levels of detail before.
-/// CRUMPLE_ERROR_INVALID_ARGUMENT: other is context.
+/// Returns whether an id is that of a set of the context. False while another thread is inside the context.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_example_set_share(
-    context: *mut CrumpleContext,
-    set: CrumpleExampleSet,
-    other: *mut CrumpleContext,
-    out_set: *mut CrumpleExampleSet,
-) -> CrumpleResult {
-    exclusive("crumple_example_set_share", other, |_, state| {
-        let out = Out::new(out_set, "out_set")?;
-        if context == other {
-            return Err(Failure::invalid("other is context itself; its ids of the set already work there"));
-        }
-        let entry = look_into(context, |state| Ok(state.sets.get(set, "set")?.shared()))?;
-        state.sets.reserve::<CrumpleExampleSet>()?;
-        out.write(state.sets.insert(entry));
-        Ok(())
-    })
+pub unsafe extern "C" fn crumple_example_set_is_valid(context: *mut CrumpleContext, set: CrumpleExampleSet) -> bool {
+    succeeds(|| look_into(context, |state| state.sets.get(set, "set").map(drop)))
 }
 
 /// Destroys a set. Its id and the strings of its infos become invalid. Instances keep the set's memory and still work.

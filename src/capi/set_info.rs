@@ -1,10 +1,10 @@
 //! What an example set holds.
 
-use super::check::{Out, def, defs, finite, zeroed};
+use super::check::{Out, def, defs, zeroed};
 use super::context::{CrumpleContext, exclusive};
 use super::memory::{Stream, disjoint};
 use super::result::{CrumpleResult, Failure};
-use super::types::{CrumpleAabb, CrumpleExampleSet, CrumpleStream, CrumpleVec3};
+use super::types::{CrumpleAabb, CrumpleExampleSet, CrumpleStream};
 use crate::example::response::Response;
 use std::ffi::c_char;
 
@@ -20,7 +20,7 @@ pub struct CrumpleExampleSetInfo {
     pub vertex_count: u32,
     pub triangle_count: u32,
     pub example_count: u32,
-    /// Parts of the mesh with their own material, at least 1.
+    /// Stretches of the mesh with a material of their own, at least 1; see crumple_import.h.
     pub primitive_count: u32,
     /// Number of positions that several vertices share.
     pub seam_count: u32,
@@ -34,15 +34,14 @@ pub struct CrumpleExampleSetInfo {
     pub lod_count: u32,
     /// Number of examples that know their blow. From 1 on, the set predicts what an impulse leaves.
     pub blow_count: u32,
-    /// How well the other examples predict an example's displacements, and its depth: median error, 0 exact, 1 as if
-    /// they predicted no dent. Negative if unknown.
+    /// How well the other examples predict an example's displacements, and its depth: median error, 0 exact, 1 no
+    /// better than no dent. Negative if unknown.
     pub field_error: f32,
     pub depth_error: f32,
     pub reserved: [u64; 2],
 }
 
-/// Where to copy a mesh: positions (m), unit normals, tangents and 3 * triangle_count indices. Absent streams are
-/// skipped.
+/// Where to copy a mesh: positions (m), unit normals, tangents, 3 * triangle_count indices. Absent ones are skipped.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleMeshCopyDef {
@@ -56,12 +55,6 @@ pub struct CrumpleMeshCopyDef {
 }
 
 defs!(CrumpleMeshCopyDef);
-
-/// Returns a def without streams. Set those that you need.
-#[unsafe(no_mangle)]
-pub extern "C" fn crumple_mesh_copy_def_default() -> CrumpleMeshCopyDef {
-    zeroed()
-}
 
 const IDENTITY: [f32; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
@@ -97,6 +90,11 @@ pub unsafe extern "C" fn crumple_example_set_get_info(
         });
         Ok(())
     })
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn crumple_mesh_copy_def_default() -> CrumpleMeshCopyDef {
+    zeroed()
 }
 
 /// Copies the base mesh or a level of detail into your memory, for your vertex and index buffers. If the set was built
@@ -136,26 +134,6 @@ pub unsafe extern "C" fn crumple_example_set_copy_mesh(
         normals.inspect(|(s, values)| s.write(values));
         tangents.inspect(|(s, values)| s.write(values));
         indices.inspect(|s| s.write(mesh.triangles().as_flattened()));
-        Ok(())
-    })
-}
-
-/// Finds the vertex of the base mesh nearest to a point in the mesh's space, m. The lowest index wins a tie. Either
-/// output may be null. out_distance is in m.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_example_set_find_nearest_vertex(
-    context: *mut CrumpleContext,
-    set: CrumpleExampleSet,
-    point: CrumpleVec3,
-    out_vertex: *mut u32,
-    out_distance: *mut f32,
-) -> CrumpleResult {
-    exclusive("crumple_example_set_find_nearest_vertex", context, |_, state| {
-        let outs = (Out::optional(out_vertex, "out_vertex")?, Out::optional(out_distance, "out_distance")?);
-        let point = finite(point.array(), "point")?;
-        let nearest = state.sets.get(set, "set")?.set.nearest_vertex(point)?;
-        outs.0.write(nearest.vertex);
-        outs.1.write(nearest.distance);
         Ok(())
     })
 }

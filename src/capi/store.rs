@@ -58,6 +58,7 @@ pub(super) struct InstanceEntry {
     pub(super) instance: Instance,
     pub(super) set: CrumpleExampleSet,
     pub(super) buffers: Vec<CrumpleBuffer>,
+    pub(super) user_data: u64,
 }
 
 /// What a context keeps of a buffer.
@@ -65,6 +66,7 @@ pub(super) struct BufferEntry {
     pub(super) owner: CrumpleInstance,
     pub(super) lod: usize,
     pub(super) memory: Memory,
+    pub(super) user_data: u64,
     /// Whether the last deform, or recording, of any buffer included this one.
     pub(super) included: bool,
 }

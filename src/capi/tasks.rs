@@ -13,8 +13,8 @@ pub type CrumpleTask = Option<unsafe extern "C" fn(index: u32, task_data: *mut c
 
 /// Your parallel-for. Calls task(index, task_data) once for each index below count, on any threads and in any order,
 /// and returns when all calls have returned. Tasks may run concurrently, and do not block or throw. Crumple runs any
-/// index that you skip, and ignores repeated ones. This function runs on the thread that called Crumple. It must not
-/// throw or longjmp out. With the same context it may call only functions allowed at any time; see "Threads".
+/// index that you skip, and ignores repeated ones. Runs on the thread that called Crumple; must not throw or longjmp
+/// out. With the same context it may call only functions for any thread; see "Threads".
 pub type CrumpleParallelFor =
     Option<unsafe extern "C" fn(count: u32, task: CrumpleTask, task_data: *mut c_void, user: *mut c_void)>;
 

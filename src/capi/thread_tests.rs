@@ -39,8 +39,9 @@ fn file() -> Vec<u8> {
     set.save().unwrap()
 }
 
-fn hit(i: u32) -> CrumpleDisplacementDef {
-    let mut def = crumple_displacement_def_default();
+fn hit(i: u32) -> CrumpleHitDef {
+    let mut def = crumple_hit_def_default();
+    def.kind = MaybeUninit::new(CrumpleHitKind::Displacement);
     def.point = [(i * 37 % 101) as f32 / 101.0, (i * 61 % 103) as f32 / 103.0, 0.0].into();
     def.displacement = [0.0, 0.0, -0.005 - 0.0001 * (i % 300) as f32].into();
     def.contact_id = u64::from(i % 5 / 4);
@@ -79,10 +80,10 @@ impl Host {
         id
     }
 
-    fn submit(&self, body: CrumpleInstance, def: &CrumpleDisplacementDef) -> R {
+    fn submit(&self, body: CrumpleInstance, def: &CrumpleHitDef) -> R {
         let mut told = MaybeUninit::uninit();
         // SAFETY: both live across the call.
-        unsafe { crumple_instance_submit_displacement(self.context(), body, def, told.as_mut_ptr()) }
+        unsafe { crumple_instance_submit_hit(self.context(), body, def, told.as_mut_ptr()) }
     }
 
     fn saved(&self, body: CrumpleInstance) -> Vec<u8> {
@@ -135,7 +136,7 @@ fn eight_threads_hit_while_another_deforms_saves_and_destroys() {
                         // A body that is destroyed meanwhile refuses the hit; another one is never touched by it.
                         let other = *others.lock().unwrap();
                         assert!(matches!(host.submit(other, &hit(i)), R::CrumpleOk | R::CrumpleErrorInvalidId));
-                        let def = CrumpleDisplacementDef { contact_id: 0, ..hit(i) };
+                        let def = CrumpleHitDef { contact_id: 0, ..hit(i) };
                         assert_eq!(host.submit(kept, &def), R::CrumpleOk);
                     }
                 })
@@ -146,7 +147,7 @@ fn eight_threads_hit_while_another_deforms_saves_and_destroys() {
     });
     let body = alone.body();
     for i in 0..HITS {
-        let def = CrumpleDisplacementDef { contact_id: 0, ..hit(i) };
+        let def = CrumpleHitDef { contact_id: 0, ..hit(i) };
         assert_eq!(alone.submit(body, &def), R::CrumpleOk);
     }
     assert!(host.saved(kept) == alone.saved(body), "the moment of a hit changed the damage");

@@ -61,7 +61,7 @@ pub struct CrumpleStriker {
     pub mass: f32,
     /// Radius of its surface at the contact, m: small for a corner, large for a flat face.
     pub radius: f32,
-    /// Velocity relative to the struck body before the touch, m/s.
+    /// Its velocity relative to the struck body before the touch, m/s.
     pub velocity: CrumpleVec3,
     /// Its shape at the contact: 0 unknown, 1 a ball or anything round, 2 a pole or an edge, 3 a corner, 4 a wall or any flat face.
     pub shape: u32,

@@ -2,10 +2,9 @@
 
 use std::ffi::c_char;
 
-/// Major version of this header. Libraries of another major version are incompatible.
+/// The version of this header. Libraries of another major or, before 1.0, minor version do not fit.
 pub const CRUMPLE_VERSION_MAJOR: u32 = 0;
 
-/// Minor version of this header. Before 1.0, libraries of another minor version are incompatible.
 pub const CRUMPLE_VERSION_MINOR: u32 = 1;
 
 pub const CRUMPLE_VERSION_PATCH: u32 = 0;
@@ -13,16 +12,13 @@ pub const CRUMPLE_VERSION_PATCH: u32 = 0;
 /// The version of this header as one number, in the format of crumple_version().
 pub const CRUMPLE_VERSION: u32 = CRUMPLE_VERSION_MAJOR * 1000000 + CRUMPLE_VERSION_MINOR * 1000 + CRUMPLE_VERSION_PATCH;
 
-/// Bit of crumple_features(): the library loads glTF 2.0 and GLB files.
+/// Bits of crumple_features(): what the library was built with.
 pub const CRUMPLE_FEATURE_GLTF: u64 = 1;
 
-/// Bit of crumple_features(): the library loads OBJ files.
 pub const CRUMPLE_FEATURE_OBJ: u64 = 2;
 
-/// Bit of crumple_features(): crumple_allocator_set() works.
 pub const CRUMPLE_FEATURE_HOST_ALLOCATOR: u64 = 4;
 
-/// Bit of crumple_features(): crumple_vulkan_attach() works.
 pub const CRUMPLE_FEATURE_VULKAN: u64 = 8;
 
 /// Evaluates to 0..=9 digits as a number; the package's version in a constant.

@@ -33,26 +33,9 @@ macro_rules! vulkan {
 }
 pub(super) use vulkan;
 
-/// Returns a def without handles. Set them and the queue family.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_vulkan_attach_def_default() -> CrumpleVulkanAttachDef {
     CrumpleVulkanAttachDef { queue_family: u32::MAX, workgroup_size: 128, ..zeroed() }
-}
-
-/// Returns a def for a vertex buffer without its handle. Set buffer, buffer_size, usage, size and streams.
-#[unsafe(no_mangle)]
-pub extern "C" fn crumple_vulkan_buffer_def_default() -> CrumpleVulkanBufferDef {
-    // VK_PIPELINE_STAGE_VERTEX_INPUT_BIT, VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT.
-    let (stages, access) = (0x4, 0x4);
-    CrumpleVulkanBufferDef {
-        queue_family: u32::MAX,
-        before_stages: stages,
-        before_access: access,
-        after_stages: stages,
-        after_access: access,
-        scale: CrumpleVec3 { x: 1.0, y: 1.0, z: 1.0 },
-        ..zeroed()
-    }
 }
 
 /// Attaches your Vulkan device, one per context. It takes some tenths of a millisecond. The handles must be valid,
@@ -118,6 +101,21 @@ pub unsafe extern "C" fn crumple_vulkan_get_pipeline_cache(
     })
 }
 
+#[unsafe(no_mangle)]
+pub extern "C" fn crumple_vulkan_buffer_def_default() -> CrumpleVulkanBufferDef {
+    // VK_PIPELINE_STAGE_VERTEX_INPUT_BIT, VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT.
+    let (stages, access) = (0x4, 0x4);
+    CrumpleVulkanBufferDef {
+        queue_family: u32::MAX,
+        before_stages: stages,
+        before_access: access,
+        after_stages: stages,
+        after_access: access,
+        scale: CrumpleVec3 { x: 1.0, y: 1.0, z: 1.0 },
+        ..zeroed()
+    }
+}
+
 /// Registers a range of a VkBuffer for an instance's deformed vertices. The first recording writes every vertex. An
 /// instance may have several ranges, such as a ring. The first range of a mesh copies the mesh and its examples to a
 /// staging buffer, and the next recording copies them to the device; all instances and ranges share them. The VkBuffer
@@ -138,7 +136,17 @@ pub unsafe extern "C" fn crumple_buffer_register_vulkan(
             let owner = &state.instances.get(instance, "instance")?.instance;
             let vulkan = state.vulkan.as_mut().ok_or_else(not_attached)?;
             let memory = Memory::Vulkan(vulkan.register(owner, &def)?);
-            add_buffer(state, BufferEntry { owner: instance, lod: def.lod as usize, memory, included: false }, out)
+            add_buffer(
+                state,
+                BufferEntry {
+                    owner: instance,
+                    lod: def.lod as usize,
+                    memory,
+                    user_data: def.user_data,
+                    included: false,
+                },
+                out,
+            )
         })
     })
 }
@@ -208,16 +216,9 @@ pub unsafe extern "C" fn crumple_vulkan_discard_frames(context: *mut CrumpleCont
     })
 }
 
-/// Returns a def for any physical device. Set the loader and the UUID.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_vulkan_open_def_default() -> CrumpleVulkanOpenDef {
     CrumpleVulkanOpenDef { workgroup_size: 128, ..zeroed() }
-}
-
-/// Returns a def without memory. Set handle, sizes, memory type and usage.
-#[unsafe(no_mangle)]
-pub extern "C" fn crumple_vulkan_import_def_default() -> CrumpleVulkanImportDef {
-    CrumpleVulkanImportDef { handle: -1, ..zeroed() }
 }
 
 /// Creates a Vulkan device of Crumple's own, for engines that can share memory but cannot hand out a command buffer.
@@ -242,6 +243,11 @@ pub unsafe extern "C" fn crumple_vulkan_open(
             Ok(())
         })
     })
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn crumple_vulkan_import_def_default() -> CrumpleVulkanImportDef {
+    CrumpleVulkanImportDef { handle: -1, ..zeroed() }
 }
 
 /// Imports a buffer of your device into Crumple's device. Use out_buffer as the buffer field of CrumpleVulkanBufferDef;

@@ -58,6 +58,7 @@ pub struct CrumpleVulkanStream {
 pub struct CrumpleVulkanBufferDef {
     pub struct_size: u32,
     pub lod: u32,
+    pub user_data: u64,
     /// The VkBuffer, bound to memory: (uint64_t)handle. Required. One VkBuffer may hold any number of ranges; their
     /// buffer_size, usage, queue_family and four stage and access fields must be equal.
     pub buffer: u64,

@@ -77,8 +77,7 @@ impl Pair {
     }
 }
 
-/// One dent: contact, depth and examples. Plain data, 32 bytes, little-endian, equal on all machines: send or save it
-/// as is.
+/// One dent. Plain data, 32 bytes, little-endian, equal on all machines: send or save it as is.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Mark {
@@ -86,8 +85,7 @@ pub struct Mark {
     pub contact: u32,
     /// Requested depth at the contact, m, above 0.
     pub depth: f32,
-    /// How many hits of this depth the mark stands for, times 2^32: 4294967296 for one. Hits that repeat the mark add
-    /// to it.
+    /// How many hits of this depth it stands for, times 2^32: 4294967296 for one. Hits that repeat it add to it.
     pub energy: u64,
     /// Up to four examples. Used pairs come first. If the first has the example 65534, they are the numbers of a hit whose dent
     /// the set predicts (docs/model.md, "A mark of a learned set").

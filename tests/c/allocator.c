@@ -1,6 +1,7 @@
 // The host's allocator: what was given comes back, with its size and alignment; running out is an error, not a crash.
 #include "support.h"
 
+#include <crumple_host.h>
 #include <crumple_parts.h>
 
 #include <pthread.h>
@@ -89,8 +90,8 @@ static CrumpleContext *use_all(void) {
     buffer_def.positions = stream_of(vertices, sizeof vertices, 0, 12);
     OK(crumple_buffer_register_host(context, body, &buffer_def, &buffer));
     for (int i = 0; i < 100; ++i) {
-        CrumpleDisplacementDef hit = displacement_at(0.009f * (float)i - 0.45f, 0.3f - 0.006f * (float)i, 0.03f);
-        OK(crumple_instance_submit_displacement(context, body, &hit, NULL));
+        CrumpleHitDef hit = displacement_at(0.009f * (float)i - 0.45f, 0.3f - 0.006f * (float)i, 0.03f);
+        OK(crumple_instance_submit_hit(context, body, &hit, NULL));
     }
     OK(crumple_context_deform(context, NULL, 0, NULL));
     OK(crumple_instance_save_damage(context, body, bytes, sizeof bytes, &size));
@@ -161,14 +162,16 @@ int main(void) {
     // No memory for what the caller's counts ask for: an error, and the context goes on.
     CrumpleContext *context = make_context(1);
     CrumpleExampleSetDef large = sheet.def;
+    CrumpleMeshDef mesh = sheet.mesh;
+    large.mesh = &mesh;
     enum { MANY = 100000 };
     float(*cloud)[3] = calloc(MANY, sizeof *cloud);
     for (int i = 0; i < MANY; ++i) cloud[i][0] = (float)i, cloud[i][2] = 1;
-    large.mesh.vertex_count = MANY;
-    large.mesh.positions = large.mesh.normals = input_of(cloud, MANY * sizeof *cloud, 12);
-    large.mesh.tangents = input_of(NULL, 0, 0);
-    large.mesh.indices = input_of(NULL, 0, 0);
-    large.mesh.index_count = 0;
+    mesh.vertex_count = MANY;
+    mesh.positions = mesh.normals = input_of(cloud, MANY * sizeof *cloud, 12);
+    mesh.tangents = input_of(NULL, 0, 0);
+    mesh.indices = input_of(NULL, 0, 0);
+    mesh.index_count = 0;
     second.limit = 256 * 1024;
     OK(crumple_allocator_set(&other));
     FAILS_KEEPING(CRUMPLE_ERROR_OUT_OF_MEMORY, "1200000 bytes", set, crumple_example_set_create(context, &large, &set));

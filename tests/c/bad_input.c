@@ -17,10 +17,10 @@ static float vertices[VERTICES][3];
 // The context is as good as ever.
 static void usable(void) {
     static float last;
-    CrumpleDisplacementDef hit = displacement_at(0.1f, 0.1f, 0.03f);
+    CrumpleHitDef hit = displacement_at(0.1f, 0.1f, 0.03f);
     CrumpleHitResult told;
     CrumpleDeformReport report;
-    OK(crumple_instance_submit_displacement(context, body, &hit, &told));
+    OK(crumple_instance_submit_hit(context, body, &hit, &told));
     FACT(told.status == CRUMPLE_HIT_STATUS_MARKED);
     OK(crumple_context_deform(context, &buffer, 1, &report));
     FACT(report.vertices_written > 0 && isfinite(vertices[told.contact_vertex][2]));
@@ -83,7 +83,9 @@ static void bad_set(CrumpleResult expected, const char *part, const CrumpleExamp
 #define BAD_SET(expected, part, change)                                                                                \
     do {                                                                                                               \
         CrumpleExampleSetDef def = sheet.def;                                                                          \
+        CrumpleMeshDef mesh = sheet.mesh;                                                                              \
         CrumpleExampleDef example = sheet.examples[0];                                                                 \
+        def.mesh = &mesh;                                                                                              \
         def.examples = &example;                                                                                       \
         def.example_count = 1;                                                                                         \
         change;                                                                                                        \
@@ -95,19 +97,21 @@ static void meshes(void) {
     BAD_KEEPING(NULL_POINTER, "def is null", out_set, crumple_example_set_create(context, NULL, &out_set));
     BAD(NULL_POINTER, "out_set is null", crumple_example_set_create(context, &sheet.def, NULL));
     BAD_KEEPING(NULL_POINTER, "context is null", out_set, crumple_example_set_create(NULL, &sheet.def, &out_set));
-    BAD_SET(MESH, "vertex_count is 0", def.mesh.vertex_count = 0);
-    BAD_SET(NULL_POINTER, "def.mesh.positions", def.mesh.positions = input_of(NULL, 0, 0));
-    BAD_SET(NULL_POINTER, "def.mesh.normals.data is null", def.mesh.normals.data = NULL);
-    BAD_SET(MISALIGNED, "def.mesh.positions.data", def.mesh.positions.data = crooked(sheet.positions));
-    BAD_SET(MISALIGNED, "def.mesh.normals.stride is 13", def.mesh.normals.stride = 13);
-    BAD_SET(INVALID_ARGUMENT, "def.mesh.positions.stride is 8", def.mesh.positions.stride = 8);
-    BAD_SET(INVALID_ARGUMENT, "0 never means tightly packed", def.mesh.tangents.stride = 0);
-    BAD_SET(INVALID_ARGUMENT, "def.mesh.tangents.stride is 12", def.mesh.tangents.stride = 12);
-    BAD_SET(BUFFER_TOO_SMALL, "def.mesh.positions", def.mesh.positions.size -= 1);
-    BAD_SET(BUFFER_TOO_SMALL, "def.mesh.positions", def.mesh.vertex_count += 1);
-    BAD_SET(BUFFER_TOO_SMALL, "def.mesh.positions", def.mesh.vertex_count = UINT32_MAX);
-    BAD_SET(BUFFER_TOO_SMALL, "def.mesh.positions", def.mesh.positions.stride = SIZE_MAX & ~(size_t)3);
-    BAD_SET(INVALID_ARGUMENT, "past the end of memory", def.mesh.positions.size = SIZE_MAX);
+    BAD_SET(STRUCT_SIZE, "def.mesh.struct_size is 4; it must be", mesh.struct_size = 4);
+    BAD_SET(NULL_POINTER, "def.mesh is null", def.mesh = NULL);
+    BAD_SET(MESH, "vertex_count is 0", mesh.vertex_count = 0);
+    BAD_SET(NULL_POINTER, "def.mesh.positions", mesh.positions = input_of(NULL, 0, 0));
+    BAD_SET(NULL_POINTER, "def.mesh.normals.data is null", mesh.normals.data = NULL);
+    BAD_SET(MISALIGNED, "def.mesh.positions.data", mesh.positions.data = crooked(sheet.positions));
+    BAD_SET(MISALIGNED, "def.mesh.normals.stride is 13", mesh.normals.stride = 13);
+    BAD_SET(INVALID_ARGUMENT, "def.mesh.positions.stride is 8", mesh.positions.stride = 8);
+    BAD_SET(INVALID_ARGUMENT, "0 never means tightly packed", mesh.tangents.stride = 0);
+    BAD_SET(INVALID_ARGUMENT, "def.mesh.tangents.stride is 12", mesh.tangents.stride = 12);
+    BAD_SET(BUFFER_TOO_SMALL, "def.mesh.positions", mesh.positions.size -= 1);
+    BAD_SET(BUFFER_TOO_SMALL, "def.mesh.positions", mesh.vertex_count += 1);
+    BAD_SET(BUFFER_TOO_SMALL, "def.mesh.positions", mesh.vertex_count = UINT32_MAX);
+    BAD_SET(BUFFER_TOO_SMALL, "def.mesh.positions", mesh.positions.stride = SIZE_MAX & ~(size_t)3);
+    BAD_SET(INVALID_ARGUMENT, "past the end of memory", mesh.positions.size = SIZE_MAX);
     // How far each vertex may move.
     static float limits[VERTICES];
     static const struct { float depth_limit; const char *depth_text; float stiffness; const char *stiffness_text; } wrong[] = {
@@ -117,31 +121,33 @@ static void meshes(void) {
     };
     for (int i = 0; i < 3; ++i) {
         limits[9] = wrong[i].depth_limit;
-        BAD_SET(INVALID_ARGUMENT, wrong[i].depth_text, def.mesh.depth_limits = input_of(limits, sizeof limits, 4));
+        BAD_SET(INVALID_ARGUMENT, wrong[i].depth_text, mesh.depth_limits = input_of(limits, sizeof limits, 4));
         limits[9] = wrong[i].stiffness;
-        BAD_SET(INVALID_ARGUMENT, wrong[i].stiffness_text, def.mesh.stiffness = input_of(limits, sizeof limits, 4));
+        BAD_SET(INVALID_ARGUMENT, wrong[i].stiffness_text, mesh.stiffness = input_of(limits, sizeof limits, 4));
     }
-    BAD_SET(BUFFER_TOO_SMALL, "def.mesh.depth_limits", def.mesh.depth_limits = input_of(limits, sizeof limits - 4, 4));
-    BAD_SET(BUFFER_TOO_SMALL, "def.mesh.stiffness", def.mesh.stiffness = input_of(limits, sizeof limits - 4, 4));
+    BAD_SET(BUFFER_TOO_SMALL, "def.mesh.depth_limits", mesh.depth_limits = input_of(limits, sizeof limits - 4, 4));
+    BAD_SET(BUFFER_TOO_SMALL, "def.mesh.stiffness", mesh.stiffness = input_of(limits, sizeof limits - 4, 4));
     // Solids that dents must not enter.
     CrumpleCapsule capsule = {vec3(0, 0, 0), vec3(0, 0, 1), 0.1f};
     memset(limits, 0xAB, sizeof limits);
     BAD(NULL_POINTER, "mesh is null", crumple_mesh_keep_out(NULL, &capsule, 1, NULL, 0, limits));
-    BAD(NULL_POINTER, "capsules is null", crumple_mesh_keep_out(&sheet.def.mesh, NULL, 1, NULL, 0, limits));
-    BAD(NULL_POINTER, "out_limits is null", crumple_mesh_keep_out(&sheet.def.mesh, &capsule, 1, NULL, 0, NULL));
-    BAD(MESH, "solid 1 has 1152 triangles and 96 open edges", crumple_mesh_keep_out(&sheet.def.mesh, &capsule, 1, &sheet.def.mesh, 1, limits));
-    CrumpleMeshDef solid = sheet.def.mesh;
+    BAD(NULL_POINTER, "capsules is null", crumple_mesh_keep_out(&sheet.mesh, NULL, 1, NULL, 0, limits));
+    BAD(NULL_POINTER, "out_limits is null", crumple_mesh_keep_out(&sheet.mesh, &capsule, 1, NULL, 0, NULL));
+    BAD(MESH, "solid 1 has 1152 triangles and 96 open edges", crumple_mesh_keep_out(&sheet.mesh, &capsule, 1, &sheet.mesh, 1, limits));
+    CrumpleMeshDef solid = sheet.mesh;
     solid.positions.data = NULL;
     solid.positions.size = 0;
-    BAD(NULL_POINTER, "meshes[0].positions", crumple_mesh_keep_out(&sheet.def.mesh, NULL, 0, &solid, 1, limits));
+    BAD(NULL_POINTER, "meshes[0].positions", crumple_mesh_keep_out(&sheet.mesh, NULL, 0, &solid, 1, limits));
+    solid.struct_size = 0;
+    BAD(STRUCT_SIZE, "meshes[0].struct_size is 0", crumple_mesh_keep_out(&sheet.mesh, NULL, 0, &solid, 1, limits));
     capsule.radius = -1;
-    BAD(INVALID_ARGUMENT, "radius of solid 0", crumple_mesh_keep_out(&sheet.def.mesh, &capsule, 1, NULL, 0, limits));
+    BAD(INVALID_ARGUMENT, "radius of solid 0", crumple_mesh_keep_out(&sheet.mesh, &capsule, 1, NULL, 0, limits));
     FACT(keeps(limits, sizeof limits));
     // Triangles.
-    BAD_SET(INVALID_ARGUMENT, "multiple of 3", def.mesh.index_count -= 1);
-    BAD_SET(BUFFER_TOO_SMALL, "def.mesh.indices", def.mesh.index_count += 3);
-    BAD_SET(NULL_POINTER, "def.mesh.indices", def.mesh.indices = input_of(NULL, 0, 0));
-    BAD_SET(INVALID_ARGUMENT, "def.mesh.index_type is 9", SET_ENUM(def.mesh.index_type, 9));
+    BAD_SET(INVALID_ARGUMENT, "multiple of 3", mesh.index_count -= 1);
+    BAD_SET(BUFFER_TOO_SMALL, "def.mesh.indices", mesh.index_count += 3);
+    BAD_SET(NULL_POINTER, "def.mesh.indices", mesh.indices = input_of(NULL, 0, 0));
+    BAD_SET(INVALID_ARGUMENT, "def.mesh.index_type is 9", SET_ENUM(mesh.index_type, 9));
     uint32_t kept = sheet.indices[7];
     sheet.indices[7] = VERTICES;
     BAD_SET(INDEX_OUT_OF_RANGE, "625", (void)0);
@@ -150,9 +156,9 @@ static void meshes(void) {
     sheet.indices[7] = kept;
     static uint16_t narrow[INDICES];
     for (int i = 0; i < INDICES; ++i) narrow[i] = (uint16_t)sheet.indices[i];
-    BAD_SET(MISALIGNED, "def.mesh.indices.data", (def.mesh.index_type = CRUMPLE_INDEX_TYPE_U16, def.mesh.indices = input_of(crooked(narrow), sizeof narrow - 2, 2)));
-    BAD_SET(MISALIGNED, "def.mesh.indices.stride is 3", (def.mesh.index_type = CRUMPLE_INDEX_TYPE_U16, def.mesh.indices = input_of(narrow, sizeof narrow, 3)));
-    BAD_SET(BUFFER_TOO_SMALL, "def.mesh.indices", def.mesh.indices = input_of(narrow, sizeof narrow, 4));
+    BAD_SET(MISALIGNED, "def.mesh.indices.data", (mesh.index_type = CRUMPLE_INDEX_TYPE_U16, mesh.indices = input_of(crooked(narrow), sizeof narrow - 2, 2)));
+    BAD_SET(MISALIGNED, "def.mesh.indices.stride is 3", (mesh.index_type = CRUMPLE_INDEX_TYPE_U16, mesh.indices = input_of(narrow, sizeof narrow, 3)));
+    BAD_SET(BUFFER_TOO_SMALL, "def.mesh.indices", mesh.indices = input_of(narrow, sizeof narrow, 4));
     // Numbers that are NaN, where this interface reads them.
     float held = sheet.targets[0][80][0];
     sheet.targets[0][80][0] = NAN;
@@ -204,7 +210,7 @@ static void examples(void) {
     BAD_SET(INVALID_ARGUMENT, "def.examples[0].contact_kind is 5", SET_ENUM(example.contact_kind, 5));
     BAD_SET(EXAMPLE_MISMATCH, "625", (example.contact_kind = CRUMPLE_CONTACT_KIND_VERTEX, example.contact_vertex = VERTICES));
     BAD_SET(EXAMPLE_MISMATCH, "contact normal has length 0", (example.has_contact_normal = true, example.contact_normal = vec3(0, 0, 0)));
-    BAD_SET(INVALID_ARGUMENT, "needs the base mesh's normals", (example.target_normals = example.target_positions, def.mesh.normals = none));
+    BAD_SET(INVALID_ARGUMENT, "needs the base mesh's normals", (example.target_normals = example.target_positions, mesh.normals = none));
     BAD_SET(INVALID_ARGUMENT, "one of the two forms", (example.delta_indices = input_of(indices, sizeof indices, 4), example.delta_count = 4));
 #define SPARSE(change)                                                                                                 \
     (example.target_positions = none, example.delta_count = 4, example.delta_indices = input_of(indices, sizeof indices, 4), \
@@ -212,7 +218,7 @@ static void examples(void) {
     BAD_SET(NULL_POINTER, "the sparse form needs both", SPARSE(example.position_deltas = none));
     BAD_SET(NULL_POINTER, "the sparse form needs both", SPARSE(example.delta_indices = none));
     BAD_SET(BUFFER_TOO_SMALL, "def.examples[0].delta_indices", SPARSE(example.delta_count = 5));
-    BAD_SET(INVALID_ARGUMENT, "target_normals belongs to the full form", SPARSE(example.target_normals = sheet.def.mesh.normals));
+    BAD_SET(INVALID_ARGUMENT, "target_normals belongs to the full form", SPARSE(example.target_normals = sheet.mesh.normals));
     BAD_SET(INVALID_ARGUMENT, "normal_deltas belongs to the sparse form", (example.delta_count = 4, example.normal_deltas = input_of(deltas, sizeof deltas, 12)));
     deltas[1][2] = NAN;
     BAD_SET(NOT_FINITE, "def.examples[0].position_deltas[1]", SPARSE(0));
@@ -223,7 +229,7 @@ static void examples(void) {
 // A set may be destroyed while an instance uses it; its id is stale then.
 static void destroyed_sets(void) {
     CrumpleInstance one;
-    CrumpleDisplacementDef hit = displacement_at(0, 0, 0.04f);
+    CrumpleHitDef hit = displacement_at(0, 0, 0.04f);
     CrumpleHostBufferDef buffer_def = crumple_host_buffer_def_default();
     CrumpleBuffer its;
     CrumpleAttachment lamp;
@@ -239,7 +245,7 @@ static void destroyed_sets(void) {
     buffer_def.positions = stream_of(out, sizeof out, 0, 12);
     OK(crumple_buffer_register_host(context, one, &buffer_def, &its));
     OK(crumple_example_set_destroy(context, out_set));
-    OK(crumple_instance_submit_displacement(context, one, &hit, NULL));
+    OK(crumple_instance_submit_hit(context, one, &hit, NULL));
     OK(crumple_context_deform(context, &its, 1, NULL));
     again.set = out_set;
     BAD(INVALID_ID, "def.set is stale", crumple_instance_create(context, &again, &one));
@@ -378,22 +384,22 @@ static void instances(void) {
 
 #define BAD_IMPULSE(expected, part, change)                                                                            \
     do {                                                                                                               \
-        CrumpleImpulseDef def = crumple_impulse_def_default();                                                         \
+        CrumpleHitDef def = crumple_hit_def_default();                                                         \
         def.impulse = vec3(0, 0, -1);                                                                                  \
         def.duration = 0.01f;                                                                                          \
         def.mass = 1;                                                                                                  \
         change;                                                                                                        \
-        BAD_KEEPING(expected, part, told, crumple_instance_submit_impulse(context, body, &def, &told));                         \
+        BAD_KEEPING(expected, part, told, crumple_instance_submit_hit(context, body, &def, &told));                         \
     } while (0)
 
 static void hits(void) {
     CrumpleHitResult told;
-    CrumpleDisplacementDef push = displacement_at(0, 0, 0.01f);
-    BAD_KEEPING(NULL_POINTER, "def is null", told, crumple_instance_submit_impulse(context, body, NULL, &told));
-    BAD_KEEPING(NULL_POINTER, "def is null", told, crumple_instance_submit_displacement(context, body, NULL, &told));
-    BAD(MISALIGNED, "out_result", crumple_instance_submit_displacement(context, body, &push, crooked(&told)));
-    BAD_IMPULSE(STRUCT_SIZE, "crumple_impulse_def_default", def.struct_size += 4);
+    CrumpleHitDef push = displacement_at(0, 0, 0.01f);
+    BAD_KEEPING(NULL_POINTER, "def is null", told, crumple_instance_submit_hit(context, body, NULL, &told));
+    BAD(MISALIGNED, "out_result", crumple_instance_submit_hit(context, body, &push, crooked(&told)));
+    BAD_IMPULSE(STRUCT_SIZE, "crumple_hit_def_default", def.struct_size += 4);
     BAD_IMPULSE(INVALID_ARGUMENT, "def.space is 2", SET_ENUM(def.space, 2));
+    BAD_IMPULSE(INVALID_ARGUMENT, "def.kind is 2", SET_ENUM(def.kind, 2));
     BAD_IMPULSE(INVALID_ARGUMENT, "duration", def.duration = 0);
     BAD_IMPULSE(INVALID_ARGUMENT, "duration", def.duration = -0.1f);
     BAD_IMPULSE(INVALID_ARGUMENT, "def.mass is -1", def.mass = -1);
@@ -409,11 +415,11 @@ static void hits(void) {
     BAD_IMPULSE(INVALID_ARGUMENT, "def.striker.mass is -1", def.striker.mass = -1);
     BAD_IMPULSE(INVALID_ARGUMENT, "def.striker.radius is -2", def.striker.radius = -2);
     push.displacement.z = NAN;
-    BAD_KEEPING(NOT_FINITE, "def.displacement", told, crumple_instance_submit_displacement(context, body, &push, &told));
+    BAD_KEEPING(NOT_FINITE, "def.displacement", told, crumple_instance_submit_hit(context, body, &push, &told));
     push = displacement_at(0, 0, 0.01f);
     push.struct_size = 0;
-    BAD_KEEPING(STRUCT_SIZE, "crumple_displacement_def_default", told, crumple_instance_submit_displacement(context, body, &push, &told));
-    BAD_KEEPING(NULL_POINTER, "context is null", told, crumple_instance_submit_displacement(NULL, body, &push, &told));
+    BAD_KEEPING(STRUCT_SIZE, "crumple_hit_def_default", told, crumple_instance_submit_hit(context, body, &push, &told));
+    BAD_KEEPING(NULL_POINTER, "context is null", told, crumple_instance_submit_hit(NULL, body, &push, &told));
 
     BAD(INVALID_ARGUMENT, "contact_id is 0", crumple_instance_end_contact(context, body, 0));
     BAD(NULL_POINTER, "context is null", crumple_instance_end_contact(NULL, body, 1));
@@ -423,15 +429,15 @@ static void hits(void) {
 }
 
 static void damage(void) {
-    CrumpleDisplacementDef hit = displacement_at(0.1f, 0.1f, 0.03f), other_hit = displacement_at(-0.2f, 0.2f, 0.02f);
+    CrumpleHitDef hit = displacement_at(0.1f, 0.1f, 0.03f), other_hit = displacement_at(-0.2f, 0.2f, 0.02f);
     CrumpleMark marks[4], bad;
     CrumpleExampleSet other_set;
     CrumpleInstance other;
     unsigned char bytes[512], changed[512];
     uint32_t count;
     size_t size;
-    OK(crumple_instance_submit_displacement(context, body, &hit, NULL));
-    OK(crumple_instance_submit_displacement(context, body, &other_hit, NULL));
+    OK(crumple_instance_submit_hit(context, body, &hit, NULL));
+    OK(crumple_instance_submit_hit(context, body, &other_hit, NULL));
     memset(marks, 0xAB, sizeof marks);
     FAILS(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "marks has room for 1; 2 are needed", crumple_instance_get_marks(context, body, marks, 1, &count));
     FACT(count == 2); // what is needed
@@ -534,9 +540,11 @@ static void buffers(void) {
 
     // Of a mesh without tangents, and without anything.
     CrumpleExampleSetDef def = sheet.def;
+    CrumpleMeshDef mesh = sheet.mesh;
     CrumpleHostBufferDef buffer_def = crumple_host_buffer_def_default();
-    def.mesh.tangents = def.mesh.normals = def.mesh.indices = input_of(NULL, 0, 0);
-    def.mesh.index_count = 0;
+    def.mesh = &mesh;
+    mesh.tangents = mesh.normals = mesh.indices = input_of(NULL, 0, 0);
+    mesh.index_count = 0;
     OK(crumple_example_set_create(context, &def, &out_set));
     CrumpleInstance bare = make_instance(context, out_set);
     buffer_def.positions = stream_of(memory, sizeof memory, 0, 40);

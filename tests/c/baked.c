@@ -33,9 +33,9 @@ static unsigned char *save(CrumpleExampleSet set, size_t *size) {
 static void dent(CrumpleExampleSet set, float (*positions)[3]) {
     CrumpleInstance instance = make_instance(context, set);
     CrumpleHostBufferDef memory = crumple_host_buffer_def_default();
-    CrumpleDisplacementDef hit = displacement_at(0.1f, 0.05f, 0.04f);
+    CrumpleHitDef hit = displacement_at(0.1f, 0.05f, 0.04f);
     CrumpleBuffer buffer;
-    OK(crumple_instance_submit_displacement(context, instance, &hit, NULL));
+    OK(crumple_instance_submit_hit(context, instance, &hit, NULL));
     memory.positions = stream_of(positions, sizeof(float) * 3 * VERTICES, 0, sizeof(float) * 3);
     OK(crumple_buffer_register_host(context, instance, &memory, &buffer));
     OK(crumple_context_deform(context, NULL, 0, NULL));
@@ -84,6 +84,10 @@ static void loading(const char *folder) {
     remove(path);
     FAILS_KEEPING(CRUMPLE_ERROR_IO, "sheet.crumple", loaded, crumple_example_set_load_baked(context, path, &loaded));
     FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "path", loaded, crumple_example_set_load_baked(context, NULL, &loaded));
+    // What the test first_dent loads.
+    snprintf(path, sizeof path, "%s/first_dent.crumple", folder);
+    file = fopen(path, "wb");
+    FACT(file != NULL && fwrite(bytes, 1, size, file) == size && fclose(file) == 0);
     OK(crumple_example_set_destroy(context, set));
     free(bytes);
 }

@@ -88,8 +88,8 @@ static void octahedral(void) {
     def.tangents = stream_of(packed, sizeof packed, offsetof(Packed, tangent), sizeof(Packed));
     def.normal_format = def.tangent_format = CRUMPLE_DIRECTION_FORMAT_OCTAHEDRAL;
     OK(crumple_buffer_register_host(context, body, &def, &buffer));
-    CrumpleDisplacementDef hit = displacement_at(0.1f, 0.05f, 0.04f);
-    OK(crumple_instance_submit_displacement(context, body, &hit, NULL));
+    CrumpleHitDef hit = displacement_at(0.1f, 0.05f, 0.04f);
+    OK(crumple_instance_submit_hit(context, body, &hit, NULL));
     OK(crumple_context_deform(context, NULL, 0, NULL));
     for (int v = 0; v < VERTICES; ++v) {
         double normal[3], tangent[3];
@@ -118,8 +118,8 @@ static void interleaved(void) {
     buffer = register_all(body, vertices);
     OK(crumple_buffer_get_changes(context, buffer, NULL, 0, &count, &bounds));
     FACT(count == 0 && bounds.min.x == -0.5f && bounds.max.x == 0.5f);
-    CrumpleDisplacementDef hit = displacement_at(-0.3f, -0.3f, 0.04f);
-    OK(crumple_instance_submit_displacement(context, body, &hit, NULL));
+    CrumpleHitDef hit = displacement_at(-0.3f, -0.3f, 0.04f);
+    OK(crumple_instance_submit_hit(context, body, &hit, NULL));
     OK(crumple_context_deform(context, &buffer, 1, &report));
     FACT(report.vertices_written == VERTICES && report.reserved[0] == 0);
     for (int v = 0; v < VERTICES; ++v) {
@@ -134,7 +134,7 @@ static void interleaved(void) {
 
     // Another hit writes what it touched, and says so.
     hit = displacement_at(0.4f, -0.4f, 0.01f);
-    OK(crumple_instance_submit_displacement(context, body, &hit, NULL));
+    OK(crumple_instance_submit_hit(context, body, &hit, NULL));
     OK(crumple_context_deform(context, NULL, 0, &report));
     FACT(report.vertices_written > 0 && report.vertices_written < VERTICES && report.blocks_skipped > 0);
     OK(crumple_buffer_get_changes(context, buffer, NULL, 0, &count, NULL));
@@ -168,7 +168,7 @@ static void interleaved(void) {
     // Within a budget of one vertex, one buffer is written at a time.
     OK(crumple_context_deform(context, NULL, 0, NULL));
     OK(crumple_context_set_vertex_budget(context, 1));
-    OK(crumple_instance_submit_displacement(context, body, &hit, NULL));
+    OK(crumple_instance_submit_hit(context, body, &hit, NULL));
     OK(crumple_context_deform(context, NULL, 0, &report));
     FACT(report.vertices_written > 0 && report.vertices_waiting > 0);
     OK(crumple_context_deform(context, NULL, 0, &report));
@@ -192,9 +192,9 @@ static void marks_and_bytes(void) {
     register_all(body, vertices);
     register_all(copy, copies);
     for (int i = 0; i < 5; ++i) {
-        CrumpleDisplacementDef hit = displacement_at(0.15f * (float)i - 0.3f, 0.1f, 0.02f + 0.005f * (float)i);
-        OK(crumple_instance_preview_displacement(context, body, &hit, &preview));
-        OK(crumple_instance_submit_displacement(context, body, &hit, &told));
+        CrumpleHitDef hit = displacement_at(0.15f * (float)i - 0.3f, 0.1f, 0.02f + 0.005f * (float)i);
+        OK(crumple_instance_preview_hit(context, body, &hit, &preview));
+        OK(crumple_instance_submit_hit(context, body, &hit, &told));
         FACT(memcmp(&told.mark, &preview.mark, sizeof told.mark) == 0);
         FACT(told.status == CRUMPLE_HIT_STATUS_MARKED && told.chosen_count >= 1 && told.chosen_count <= 3);
         FACT(told.target.z == hit.displacement.z && !told.clamped);
@@ -249,21 +249,23 @@ static void vertex_limits(void) {
     static Vertex vertices[VERTICES];
     static float own[VERTICES][2]; // depth limit, stiffness
     CrumpleExampleSetDef def = sheet.def;
+    CrumpleMeshDef mesh = sheet.mesh;
     CrumpleExampleSet limited;
+    def.mesh = &mesh;
     CrumpleHitResult told;
     for (int v = 0; v < VERTICES; ++v) {
         own[v][0] = sheet.positions[v][0] < 0 ? 0.01f : INFINITY;
         own[v][1] = sheet.positions[v][1] > 0.2f ? 1.0f : 0.0f;
     }
-    def.mesh.depth_limits = input_of(own, sizeof own, sizeof own[0]);
-    def.mesh.stiffness = input_of(&own[0][1], sizeof own - sizeof(float), sizeof own[0]);
+    mesh.depth_limits = input_of(own, sizeof own, sizeof own[0]);
+    mesh.stiffness = input_of(&own[0][1], sizeof own - sizeof(float), sizeof own[0]);
     OK(crumple_example_set_create(context, &def, &limited));
     CrumpleInstance body = make_instance(context, limited);
     CrumpleBuffer buffer = register_all(body, vertices);
     for (int i = 0; i < 81; ++i) {
         float x = 0.1f * (float)(i % 9) - 0.4f, y = 0.1f * (float)(i / 9) - 0.4f;
-        CrumpleDisplacementDef hit = displacement_at(x, y, 0.05f);
-        OK(crumple_instance_submit_displacement(context, body, &hit, &told));
+        CrumpleHitDef hit = displacement_at(x, y, 0.05f);
+        OK(crumple_instance_submit_hit(context, body, &hit, &told));
         const float *contact = own[told.contact_vertex];
         FACT((told.status == CRUMPLE_HIT_STATUS_RIGID) == (contact[1] == 1));
         if (contact[1] == 0) FACT(told.status == CRUMPLE_HIT_STATUS_MARKED && told.clamped == (contact[0] < 0.05f));
@@ -289,22 +291,24 @@ static void kept_out(void) {
     for (int i = 0; i < 8; ++i)
         for (int k = 0; k < 3; ++k) corners[i][k] = (i >> k & 1) != 0 ? high[k] : low[k];
     const uint16_t faces[36] = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
-    CrumpleMeshDef box = crumple_lod_def_default().mesh;
+    CrumpleMeshDef box = crumple_mesh_def_default();
     box.vertex_count = 8;
     box.positions = input_of(corners, sizeof corners, sizeof corners[0]);
     box.index_count = 36;
     box.index_type = CRUMPLE_INDEX_TYPE_U16;
     box.indices = input_of(faces, sizeof faces, sizeof faces[0]);
     CrumpleExampleSetDef def = sheet.def;
-    OK(crumple_mesh_keep_out(&def.mesh, &bar, 1, &box, 1, limits));
-    def.mesh.depth_limits = input_of(limits, sizeof limits, sizeof limits[0]);
+    CrumpleMeshDef mesh = sheet.mesh;
+    OK(crumple_mesh_keep_out(&mesh, &bar, 1, &box, 1, limits));
+    def.mesh = &mesh;
+    mesh.depth_limits = input_of(limits, sizeof limits, sizeof limits[0]);
     CrumpleExampleSet limited;
     OK(crumple_example_set_create(context, &def, &limited));
     CrumpleInstance body = make_instance(context, limited);
     CrumpleBuffer buffer = register_all(body, vertices);
     for (int i = 0; i < 81; ++i) {
-        CrumpleDisplacementDef hit = displacement_at(0.1f * (float)(i % 9) - 0.4f, 0.1f * (float)(i / 9) - 0.4f, 0.2f);
-        OK(crumple_instance_submit_displacement(context, body, &hit, NULL));
+        CrumpleHitDef hit = displacement_at(0.1f * (float)(i % 9) - 0.4f, 0.1f * (float)(i / 9) - 0.4f, 0.2f);
+        OK(crumple_instance_submit_hit(context, body, &hit, NULL));
     }
     OK(crumple_context_deform(context, &buffer, 1, NULL));
     for (int v = 0; v < VERTICES; ++v) {
@@ -316,9 +320,9 @@ static void kept_out(void) {
     FACT(deepest(vertices) > 0.02f);
 
     // Limits that the mesh has are only made less.
-    OK(crumple_mesh_keep_out(&def.mesh, NULL, 0, NULL, 0, limits));
+    OK(crumple_mesh_keep_out(&mesh, NULL, 0, NULL, 0, limits));
     limits[7] = 0.001f;
-    OK(crumple_mesh_keep_out(&def.mesh, &bar, 1, NULL, 0, limits));
+    OK(crumple_mesh_keep_out(&mesh, &bar, 1, NULL, 0, limits));
     FACT(limits[7] == 0.001f);
     OK(crumple_instance_destroy(context, body));
     OK(crumple_example_set_destroy(context, limited));
@@ -329,7 +333,7 @@ static void spaces(void) {
     CrumpleInstance local = make_instance(context, set), world = make_instance(context, set);
     // A quarter turn about z, twice as large, moved by (10, 20, 30).
     const float matrix[16] = {0, 2, 0, 0, -2, 0, 0, 0, 0, 0, 2, 0, 10, 20, 30, 1};
-    CrumpleImpulseDef hit = crumple_impulse_def_default(), there;
+    CrumpleHitDef hit = crumple_hit_def_default(), there;
     CrumpleHitResult told, told_there;
     OK(crumple_instance_set_transform(context, world, matrix));
     hit.point = vec3(0.25f, 0.125f, 0);
@@ -340,8 +344,8 @@ static void spaces(void) {
     there.space = CRUMPLE_SPACE_WORLD;
     there.point = vec3(10 - 2 * 0.125f, 20 + 2 * 0.25f, 30);
     there.impulse = vec3(0, 1, -4);
-    OK(crumple_instance_submit_impulse(context, local, &hit, &told));
-    OK(crumple_instance_submit_impulse(context, world, &there, &told_there));
+    OK(crumple_instance_submit_hit(context, local, &hit, &told));
+    OK(crumple_instance_submit_hit(context, world, &there, &told_there));
     FACT(told.contact_vertex == told_there.contact_vertex);
     FACT(fabsf(told.target.z - told_there.target.z) < 1e-7f && fabsf(told.target.x - 0.01f) < 1e-7f);
     FACT(memcmp(&told.mark, &told_there.mark, sizeof told.mark) == 0);
@@ -352,21 +356,21 @@ static void spaces(void) {
 // Zeros are unknown: the impulse is then the striker's momentum. Without both, nothing happens.
 static void strikers(void) {
     CrumpleInstance body = make_instance(context, set);
-    CrumpleImpulseDef hit = crumple_impulse_def_default();
+    CrumpleHitDef hit = crumple_hit_def_default();
     CrumpleHitResult explicit, momentum;
     FACT(hit.striker.mass == 0 && hit.striker.radius == 0 && hit.striker.velocity.z == 0 && hit.normal.z == 0);
     hit.point = vec3(0.1f, 0.1f, 0);
     hit.duration = 0.01f;
     hit.mass = 1;
-    OK(crumple_instance_submit_impulse(context, body, &hit, &explicit));
+    OK(crumple_instance_submit_hit(context, body, &hit, &explicit));
     FACT(explicit.status == CRUMPLE_HIT_STATUS_BELOW_YIELD);
     hit.impulse = vec3(2.5f * 0.3f, 0, 2.5f * -1.1f);
-    OK(crumple_instance_preview_impulse(context, body, &hit, &explicit));
+    OK(crumple_instance_preview_hit(context, body, &hit, &explicit));
     hit.impulse = vec3(0, 0, 0);
     hit.normal = vec3(0, 0, 1);
     hit.striker.mass = 2.5f;
     hit.striker.velocity = vec3(0.3f, 0, -1.1f);
-    OK(crumple_instance_preview_impulse(context, body, &hit, &momentum));
+    OK(crumple_instance_preview_hit(context, body, &hit, &momentum));
     FACT(momentum.status == CRUMPLE_HIT_STATUS_MARKED);
     FACT(memcmp(&explicit.target, &momentum.target, sizeof explicit.target) == 0);
     FACT(memcmp(&explicit.mark, &momentum.mark, sizeof explicit.mark) == 0);
@@ -408,7 +412,7 @@ static void yield_and_mass(void) {
     CrumpleExampleSet heavy;
     CrumpleInstanceDef instance_def = crumple_instance_def_default();
     CrumpleInstance body;
-    CrumpleImpulseDef hit = crumple_impulse_def_default();
+    CrumpleHitDef hit = crumple_hit_def_default();
     CrumpleHitResult told;
     static float masses[VERTICES];
     for (int v = 0; v < VERTICES; ++v) masses[v] = v == VERTICES / 2 ? 4.0f : 1.0f;
@@ -420,13 +424,13 @@ static void yield_and_mass(void) {
     OK(crumple_instance_create(context, &instance_def, &body));
     hit.impulse = vec3(0, 0, -8);
     hit.duration = 0.01f;
-    OK(crumple_instance_submit_impulse(context, body, &hit, &told)); // the middle: 4 kg
+    OK(crumple_instance_submit_hit(context, body, &hit, &told)); // the middle: 4 kg
     FACT(told.contact_vertex == VERTICES / 2 && fabsf(told.target.z + 0.02f) < 1e-6f);
     hit.mass = 2;
-    OK(crumple_instance_submit_impulse(context, body, &hit, &told));
+    OK(crumple_instance_submit_hit(context, body, &hit, &told));
     FACT(fabsf(told.target.z + 0.04f) < 1e-6f);
     hit.impulse.z = -0.99f;
-    OK(crumple_instance_submit_impulse(context, body, &hit, &told));
+    OK(crumple_instance_submit_hit(context, body, &hit, &told));
     FACT(told.status == CRUMPLE_HIT_STATUS_BELOW_YIELD && told.mark.energy == 0);
     OK(crumple_instance_destroy(context, body));
     OK(crumple_example_set_destroy(context, heavy));
@@ -440,7 +444,7 @@ static void contacts(void) {
     for (int way = 0; way < 3; ++way) {
         CrumpleInstance body = make_instance(context, set);
         CrumpleBuffer buffer = register_all(body, vertices[way]);
-        CrumpleImpulseDef hit = crumple_impulse_def_default();
+        CrumpleHitDef hit = crumple_hit_def_default();
         CrumpleInstanceInfo info;
         CrumpleHitResult told;
         FACT(hit.contact_id == 0);
@@ -450,7 +454,7 @@ static void contacts(void) {
         hit.mass = 1;
         hit.contact_id = UINT64_MAX;
         for (int i = 0; i < parts[way]; ++i) {
-            OK(crumple_instance_submit_impulse(context, body, &hit, &told));
+            OK(crumple_instance_submit_hit(context, body, &hit, &told));
             FACT(fabsf(told.target.z + 0.04f / (float)parts[way]) < 1e-6f); // what it would do alone
             OK(crumple_context_deform(context, &buffer, 1, NULL));
             OK(crumple_instance_get_info(context, body, &info));
@@ -463,9 +467,9 @@ static void contacts(void) {
         FACT(info.mark_count == 1 && info.contact_count == 0);
         depths[way] = deepest(vertices[way]);
         // Ended, the same id is another contact; and the two kinds of hit have the same ids.
-        CrumpleDisplacementDef push = displacement_at(0.1f, 0.1f, 0.02f);
+        CrumpleHitDef push = displacement_at(0.1f, 0.1f, 0.02f);
         push.contact_id = hit.contact_id;
-        OK(crumple_instance_submit_displacement(context, body, &push, NULL));
+        OK(crumple_instance_submit_hit(context, body, &push, NULL));
         OK(crumple_instance_get_info(context, body, &info));
         FACT(info.mark_count == 2 && info.contact_count == 1);
         OK(crumple_instance_reset_damage(context, body));
@@ -491,10 +495,10 @@ static void visibility(void) {
     register_all(body[0], vertices);
     for (int frame = 0; frame < 5; ++frame) {
         for (int i = 0; i < 2; ++i) {
-            CrumpleDisplacementDef push = displacement_at(0.1f * (float)(frame % 3), 0.1f, 0.01f);
+            CrumpleHitDef push = displacement_at(0.1f * (float)(frame % 3), 0.1f, 0.01f);
             push.contact_id = 11;
-            OK(crumple_instance_submit_displacement(context, body[i], &push, NULL));
-            OK(crumple_instance_submit_displacement(context, body[i], &push, NULL));
+            OK(crumple_instance_submit_hit(context, body[i], &push, NULL));
+            OK(crumple_instance_submit_hit(context, body[i], &push, NULL));
             if (frame == 0) {
                 OK(crumple_instance_get_contact(context, body[i], 11, &whole));
                 FACT(whole.status == CRUMPLE_HIT_STATUS_MARKED && fabsf(whole.target.z + 0.02f) < 1e-6f);
@@ -517,7 +521,7 @@ static void classic_rules(void) {
     for (int rule = CRUMPLE_RULE_MOST_DISPLACED; rule <= CRUMPLE_RULE_BLEND; ++rule) {
         CrumpleInstanceDef def = crumple_instance_def_default();
         CrumpleInstance body, marked = make_instance(context, set);
-        CrumpleDisplacementDef hit = displacement_at(0, 0, 0.03f);
+        CrumpleHitDef hit = displacement_at(0, 0, 0.03f);
         CrumpleMark mark;
         CrumpleInstanceInfo info;
         uint32_t count = 7;
@@ -526,7 +530,7 @@ static void classic_rules(void) {
         def.blend_constant = 0.5f;
         OK(crumple_instance_create(context, &def, &body));
         register_all(body, vertices);
-        OK(crumple_instance_submit_displacement(context, body, &hit, NULL));
+        OK(crumple_instance_submit_hit(context, body, &hit, NULL));
         OK(crumple_context_deform(context, NULL, 0, NULL));
         FACT(fabsf(deepest(vertices) - 0.03f) < 1e-5f);
         FAILS(CRUMPLE_ERROR_WRONG_RULE, "Marks", crumple_instance_get_marks(context, body, &mark, 1, &count));
@@ -536,7 +540,7 @@ static void classic_rules(void) {
         OK(crumple_instance_get_info(context, body, &info));
         FACT(info.mark_count == 0 && info.contact_count == 0);
         hit.contact_id = 1;
-        FAILS(CRUMPLE_ERROR_WRONG_RULE, "contact id", crumple_instance_submit_displacement(context, body, &hit, NULL));
+        FAILS(CRUMPLE_ERROR_WRONG_RULE, "contact id", crumple_instance_submit_hit(context, body, &hit, NULL));
         FAILS(CRUMPLE_ERROR_WRONG_RULE, "Marks", crumple_instance_end_contact(context, body, 1));
         OK(crumple_instance_destroy(context, body));
         OK(crumple_instance_destroy(context, marked));
@@ -550,12 +554,12 @@ static void mirrored(void) {
         CrumpleExampleSet made;
         CrumpleHitResult told;
         int found = 0;
-        CrumpleDisplacementDef hit = displacement_at(-0.25f, -0.2f, 0.03f);
+        CrumpleHitDef hit = displacement_at(-0.25f, -0.2f, 0.03f);
         FACT(def.options.mirror && def.options.held_rims); // the defaults
         def.options.mirror = on;
         OK(crumple_example_set_create(context, &def, &made));
         CrumpleInstance body = make_instance(context, made);
-        OK(crumple_instance_submit_displacement(context, body, &hit, &told));
+        OK(crumple_instance_submit_hit(context, body, &hit, &told));
         FACT(told.status == CRUMPLE_HIT_STATUS_MARKED);
         float shares = 0;
         for (uint32_t i = 0; i < told.chosen_count; ++i) {
@@ -580,8 +584,8 @@ static void attached(void) {
     OK(crumple_example_set_attach_point(context, set, vec3(0.05f, 0.02f, 0.2f), &lamp));
     OK(crumple_instance_get_attached_frame(context, body, &lamp, &rest));
     FACT(fabsf(rest.position.z - 0.2f) < 1e-6f && fabsf(rest.rotation.w - 1) < 1e-6f);
-    CrumpleDisplacementDef hit = displacement_at(0, 0, 0.05f);
-    OK(crumple_instance_submit_displacement(context, body, &hit, NULL));
+    CrumpleHitDef hit = displacement_at(0, 0, 0.05f);
+    OK(crumple_instance_submit_hit(context, body, &hit, NULL));
     OK(crumple_instance_get_attached_frame(context, body, &lamp, &frame)); // counts at once
     FACT(frame.position.z < rest.position.z - 0.03f && frame.rotation.w < 1);
     OK(crumple_instance_destroy(context, body));

@@ -50,7 +50,8 @@ static void refusals(CrumpleContext *context, CrumpleInstance body) {
 }
 
 static void plans(CrumpleContext *context, CrumpleInstance body) {
-    CrumpleBuffer buffer, changed;
+    CrumpleBuffer buffer;
+    CrumpleBufferInfo changed;
     CrumpleGraphPlan plan;
     CrumpleRecordReport report;
     CrumpleRange range;
@@ -81,16 +82,17 @@ static void plans(CrumpleContext *context, CrumpleInstance body) {
     OK(crumple_graph_plan(context, NULL, 0, &plan, &report));
     FACT(plan.upload_count == 0 && plan.dispatch_count == 0 && plan.work_size == 0 && report.vertices_written == 0);
 
-    CrumpleDisplacementDef hit = crumple_displacement_def_default();
+    CrumpleHitDef hit = crumple_hit_def_default();
+    hit.kind = CRUMPLE_HIT_KIND_DISPLACEMENT;
     CrumpleHitResult result;
     hit.point = vec3(0, 0, 0.075f);
     hit.displacement = vec3(0, 0, -0.04f);
-    OK(crumple_instance_submit_displacement(context, body, &hit, &result));
+    OK(crumple_instance_submit_hit(context, body, &hit, &result));
     FACT(result.status == CRUMPLE_HIT_STATUS_MARKED);
     OK(crumple_graph_plan(context, NULL, 0, &plan, &report));
     FACT(plan.dispatch_count == 1 && plan.work_size > 0 && report.vertices_written > 0);
     OK(crumple_context_get_changed_buffers(context, &changed, 1, &count));
-    FACT(count == 1 && changed.index == buffer.index);
+    FACT(count == 1 && changed.buffer.index == buffer.index);
     OK(crumple_buffer_get_changes(context, buffer, &range, 1, &count, &bounds));
     FACT(count == 1 && range.count == report.vertices_written && bounds.max.z > 0.07f);
 

@@ -4,7 +4,7 @@
 
 #include "aligned.h"
 
-#include <crumple.h>
+#include <crumple_host.h>
 
 #include <stdbool.h>
 

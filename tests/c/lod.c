@@ -8,8 +8,8 @@ static float coarse[COARSE_VERTICES][3], coarse_normals[COARSE_VERTICES][3];
 static uint16_t coarse_indices[COARSE_INDICES];
 
 // Every second row and column of the sheet.
-static CrumpleLodDef every_second(void) {
-    CrumpleLodDef def = crumple_lod_def_default();
+static CrumpleMeshDef every_second(void) {
+    CrumpleMeshDef def = crumple_mesh_def_default();
     int n = 0;
     for (int v = 0; v < COARSE_VERTICES; ++v) {
         int from = v / COARSE * 2 * SIDE + v % COARSE * 2;
@@ -20,12 +20,12 @@ static CrumpleLodDef every_second(void) {
             for (int k = 0; k < 6; ++k) coarse_indices[n++] = (uint16_t)quad[k];
         }
     }
-    def.mesh.vertex_count = COARSE_VERTICES;
-    def.mesh.positions = input_of(coarse, sizeof coarse, 12);
-    def.mesh.normals = input_of(coarse_normals, sizeof coarse_normals, 12);
-    def.mesh.indices = input_of(coarse_indices, sizeof coarse_indices, 2);
-    def.mesh.index_count = COARSE_INDICES;
-    def.mesh.index_type = CRUMPLE_INDEX_TYPE_U16;
+    def.vertex_count = COARSE_VERTICES;
+    def.positions = input_of(coarse, sizeof coarse, 12);
+    def.normals = input_of(coarse_normals, sizeof coarse_normals, 12);
+    def.indices = input_of(coarse_indices, sizeof coarse_indices, 2);
+    def.index_count = COARSE_INDICES;
+    def.index_type = CRUMPLE_INDEX_TYPE_U16;
     return def;
 }
 
@@ -42,21 +42,21 @@ static CrumpleBuffer register_level(CrumpleContext *context, CrumpleInstance bod
 static void levels(CrumpleContext *context) {
     CrumpleExampleSet set;
     CrumpleExampleSetInfo info;
-    CrumpleLodDef def = every_second(), bad;
+    CrumpleMeshDef def = every_second(), bad;
     uint32_t lod = 0;
     OK(crumple_example_set_create(context, &sheet.def, &set));
     OK(crumple_example_set_get_info(context, set, &info));
     FACT(info.lod_count == 1);
     uint64_t bytes = info.memory_bytes;
     bad = def;
-    bad.mesh.vertex_count = 0;
+    bad.vertex_count = 0;
     FAILS_KEEPING(CRUMPLE_ERROR_MESH, "vertex_count is 0", lod, crumple_example_set_add_lod(context, set, &bad, &lod));
     bad = def;
     bad.struct_size = 3;
-    FAILS(CRUMPLE_ERROR_STRUCT_SIZE, "crumple_lod_def_default", crumple_example_set_add_lod(context, set, &bad, &lod));
+    FAILS(CRUMPLE_ERROR_STRUCT_SIZE, "crumple_mesh_def_default", crumple_example_set_add_lod(context, set, &bad, &lod));
     bad = def;
-    bad.mesh.positions.size = 100;
-    FAILS(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "def.mesh.positions", crumple_example_set_add_lod(context, set, &bad, &lod));
+    bad.positions.size = 100;
+    FAILS(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "mesh.positions", crumple_example_set_add_lod(context, set, &bad, &lod));
     FAILS(CRUMPLE_ERROR_NULL_POINTER, "out_lod", crumple_example_set_add_lod(context, set, &def, NULL));
     OK(crumple_example_set_add_lod(context, set, &def, &lod));
     FACT(lod == 1);
@@ -80,8 +80,8 @@ static void levels(CrumpleContext *context) {
     third.lod = 2;
     third.positions = stream_of(fine, sizeof fine, 0, 12);
     FAILS(CRUMPLE_ERROR_INDEX_OUT_OF_RANGE, "below 2", crumple_buffer_register_host(context, body, &third, &base));
-    CrumpleDisplacementDef hit = displacement_at(0.1f, 0.1f, 0.04f);
-    OK(crumple_instance_submit_displacement(context, body, &hit, NULL));
+    CrumpleHitDef hit = displacement_at(0.1f, 0.1f, 0.04f);
+    OK(crumple_instance_submit_hit(context, body, &hit, NULL));
     CrumpleDeformReport report;
     OK(crumple_context_deform(context, &level, 1, &report));
     FACT(report.vertices_written == COARSE_VERTICES && report.parts_skipped == 0);
@@ -123,7 +123,7 @@ static void far_off(void) {
     CrumpleContextDef context_def = crumple_context_def_default();
     CrumpleContext *context;
     CrumpleExampleSet set;
-    CrumpleLodDef def = every_second();
+    CrumpleMeshDef def = every_second();
     uint32_t lod;
     context_def.log = count_warnings;
     context_def.log_user = &warnings;

@@ -1,7 +1,8 @@
-// Many things in one call, sets in two contexts, revisions, growth, repair around a point and parts through the C
+// Whose buffers and instances are, many things in one call, sets in two contexts, revisions, growth, repair around a point and parts through the C
 // interface.
 #include "support.h"
 
+#include <crumple_host.h>
 #include <crumple_parts.h>
 
 static Sheet sheet;
@@ -26,6 +27,58 @@ static CrumpleBuffer positions_of(CrumpleInstance body, float (*vertices)[3]) {
     return buffer;
 }
 
+static void whose(void) {
+    static float mine[VERTICES][3], twin[VERTICES][3];
+    CrumpleInstanceDef def = crumple_instance_def_default();
+    CrumpleHostBufferDef buffer_def = crumple_host_buffer_def_default();
+    CrumpleInstance body, null_body = {0, 0, 0};
+    CrumpleExampleSet null_set = {0, 0, 0};
+    CrumpleBuffer buffer, other, null_buffer = {0, 0, 0};
+    CrumpleBufferInfo info, changed[2];
+    CrumpleHitDef hit = displacement_at(0, 0, 0.03f);
+    uint64_t number = 0;
+    uint32_t count = 0;
+    def.set = set;
+    def.user_data = 41;
+    OK(crumple_instance_create(context, &def, &body));
+    buffer_def.positions = stream_of(mine, sizeof mine, 0, sizeof mine[0]);
+    buffer_def.user_data = UINT64_MAX;
+    OK(crumple_buffer_register_host(context, body, &buffer_def, &buffer));
+    other = positions_of(body, twin);
+    OK(crumple_instance_get_user_data(context, body, &number));
+    FACT(number == 41);
+    OK(crumple_instance_set_user_data(context, body, 42));
+    OK(crumple_buffer_get_info(context, buffer, &info));
+    FACT(info.buffer.index == buffer.index && info.instance.index == body.index && info.instance.generation == body.generation);
+    FACT(info.user_data == UINT64_MAX && info.instance_user_data == 42 && info.lod == 0);
+
+    OK(crumple_context_deform(context, NULL, 0, NULL));
+    OK(crumple_instance_submit_hit(context, body, &hit, NULL));
+    OK(crumple_context_deform(context, NULL, 0, NULL));
+    OK(crumple_context_get_changed_buffers(context, changed, 2, &count));
+    FACT(count == 2 && memcmp(&changed[0], &info, sizeof info) == 0);
+    FACT(changed[1].buffer.index == other.index && changed[1].user_data == 0 && changed[1].instance_user_data == 42);
+
+    // Other memory comes with another number.
+    buffer_def.user_data = 7;
+    OK(crumple_buffer_set_memory(context, buffer, &buffer_def));
+    OK(crumple_buffer_get_info(context, buffer, &info));
+    FACT(info.user_data == 7);
+
+    // What is valid, and that asking changes no error.
+    FAILS(CRUMPLE_ERROR_INVALID_ID, "null buffer", crumple_buffer_get_info(context, null_buffer, &info));
+    FACT(crumple_example_set_is_valid(context, set) && crumple_instance_is_valid(context, body) && crumple_buffer_is_valid(context, buffer));
+    FACT(!crumple_example_set_is_valid(context, null_set) && !crumple_instance_is_valid(context, null_body));
+    FACT(!crumple_buffer_is_valid(context, null_buffer) && !crumple_instance_is_valid(NULL, body));
+    OK(crumple_buffer_unregister(context, other));
+    FACT(!crumple_buffer_is_valid(context, other) && crumple_buffer_is_valid(context, buffer));
+    OK(crumple_instance_destroy(context, body));
+    FACT(!crumple_buffer_is_valid(context, buffer) && !crumple_instance_is_valid(context, body));
+    FACT(strstr(crumple_last_error(), "null buffer") != NULL);
+    FAILS(CRUMPLE_ERROR_INVALID_ID, "stale", crumple_instance_get_user_data(context, body, &number));
+    FAILS(CRUMPLE_ERROR_INVALID_ID, "stale", crumple_instance_set_user_data(context, body, 1));
+}
+
 static uint64_t revision_of(CrumpleInstance body) {
     CrumpleInstanceInfo info;
     OK(crumple_instance_get_info(context, body, &info));
@@ -35,9 +88,10 @@ static uint64_t revision_of(CrumpleInstance body) {
 static void hits_and_buffers(void) {
     static float vertices[4][VERTICES][3];
     CrumpleInstance bodies[4], stale;
-    CrumpleBuffer buffers[4], changed[4];
-    CrumpleDisplacementDef hits[3];
-    CrumpleImpulseDef blow = crumple_impulse_def_default();
+    CrumpleBuffer buffers[4];
+    CrumpleBufferInfo changed[4];
+    CrumpleHitDef hits[3];
+    CrumpleHitDef blow = crumple_hit_def_default();
     CrumpleHitResult results[3], alone;
     uint32_t count = 9;
     for (int i = 0; i < 4; ++i) {
@@ -48,20 +102,20 @@ static void hits_and_buffers(void) {
     FACT(count == 0);
     OK(crumple_context_deform(context, NULL, 0, NULL));
     OK(crumple_context_get_changed_buffers(context, changed, 4, &count));
-    FACT(count == 4 && changed[2].index == buffers[2].index && changed[2].generation == buffers[2].generation);
+    FACT(count == 4 && changed[2].buffer.index == buffers[2].index && changed[2].buffer.generation == buffers[2].generation);
 
     for (int i = 0; i < 3; ++i) hits[i] = displacement_at(0.1f * (float)i, 0, 0.02f);
-    OK(crumple_instance_preview_displacement(context, bodies[3], &hits[2], &alone));
+    OK(crumple_instance_preview_hit(context, bodies[3], &hits[2], &alone));
     // Two hits on one body; none on two.
     CrumpleInstance targets[3];
     targets[0] = targets[1] = bodies[1];
     targets[2] = bodies[3];
-    OK(crumple_context_submit_displacements(context, targets, hits, 3, results));
+    OK(crumple_context_submit_hits(context, targets, hits, 3, results));
     FACT(memcmp(&results[2].mark, &alone.mark, sizeof alone.mark) == 0 && results[0].status == CRUMPLE_HIT_STATUS_MARKED);
     OK(crumple_context_deform(context, NULL, 0, NULL));
     FAILS(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "buffers", crumple_context_get_changed_buffers(context, changed, 1, &count));
     OK(crumple_context_get_changed_buffers(context, changed, 4, &count));
-    FACT(count == 2 && changed[0].index == buffers[1].index && changed[1].index == buffers[3].index);
+    FACT(count == 2 && changed[0].buffer.index == buffers[1].index && changed[1].buffer.index == buffers[3].index);
     OK(crumple_context_deform(context, NULL, 0, NULL));
     OK(crumple_context_get_changed_buffers(context, changed, 4, &count));
     FACT(count == 0);
@@ -70,25 +124,25 @@ static void hits_and_buffers(void) {
     uint64_t before = revision_of(bodies[1]);
     hits[2].displacement.z = NAN;
     memset(results, 0xAB, sizeof results);
-    FAILS(CRUMPLE_ERROR_NOT_FINITE, "hit 2: def.displacement", crumple_context_submit_displacements(context, targets, hits, 3, results));
+    FAILS(CRUMPLE_ERROR_NOT_FINITE, "hit 2: def.displacement", crumple_context_submit_hits(context, targets, hits, 3, results));
     hits[2] = displacement_at(50, 50, 0.02f);
-    FAILS(CRUMPLE_ERROR_CONTACT_TOO_FAR, "hit 2: ", crumple_context_submit_displacements(context, targets, hits, 3, results));
+    FAILS(CRUMPLE_ERROR_CONTACT_TOO_FAR, "hit 2: ", crumple_context_submit_hits(context, targets, hits, 3, results));
     hits[2].struct_size = 3;
-    FAILS(CRUMPLE_ERROR_STRUCT_SIZE, "hit 2: ", crumple_context_submit_displacements(context, targets, hits, 3, results));
+    FAILS(CRUMPLE_ERROR_STRUCT_SIZE, "hit 2: ", crumple_context_submit_hits(context, targets, hits, 3, results));
     hits[2] = hits[1];
     stale = growing(0);
     OK(crumple_instance_destroy(context, stale));
     targets[2] = stale;
-    FAILS(CRUMPLE_ERROR_INVALID_ID, "instances[2]", crumple_context_submit_displacements(context, targets, hits, 3, results));
-    FAILS(CRUMPLE_ERROR_NULL_POINTER, "instances", crumple_context_submit_displacements(context, NULL, hits, 3, results));
-    FAILS(CRUMPLE_ERROR_NULL_POINTER, "defs", crumple_context_submit_impulses(context, targets, NULL, 3, results));
+    FAILS(CRUMPLE_ERROR_INVALID_ID, "instances[2]", crumple_context_submit_hits(context, targets, hits, 3, results));
+    FAILS(CRUMPLE_ERROR_NULL_POINTER, "instances", crumple_context_submit_hits(context, NULL, hits, 3, results));
+    FAILS(CRUMPLE_ERROR_NULL_POINTER, "defs", crumple_context_submit_hits(context, targets, NULL, 3, results));
     FACT(keeps(results, sizeof results) && revision_of(bodies[1]) == before);
-    OK(crumple_context_submit_impulses(context, NULL, NULL, 0, NULL));
+    OK(crumple_context_submit_hits(context, NULL, NULL, 0, NULL));
 
     // Compliance: 2 N s by 0.01 m per N s, without mass and duration.
     blow.point = vec3(0.3f, 0.3f, 0.02f);
     blow.impulse = vec3(0, 0, -2);
-    OK(crumple_context_submit_impulses(context, bodies, &blow, 1, results));
+    OK(crumple_context_submit_hits(context, bodies, &blow, 1, results));
     FACT(fabsf(results[0].target.z + 0.02f) < 1e-6f);
     for (int i = 0; i < 4; ++i) OK(crumple_instance_destroy(context, bodies[i]));
 }
@@ -99,9 +153,9 @@ static void bytes_of_all(void) {
     size_t size = 0, again = 0;
     uint64_t revisions[3];
     for (int i = 0; i < 3; ++i) {
-        CrumpleDisplacementDef hit = displacement_at(0.1f * (float)i, 0.1f, 0.01f * (float)(i + 1));
+        CrumpleHitDef hit = displacement_at(0.1f * (float)i, 0.1f, 0.01f * (float)(i + 1));
         bodies[i] = growing(0);
-        OK(crumple_instance_submit_displacement(context, bodies[i], &hit, NULL));
+        OK(crumple_instance_submit_hit(context, bodies[i], &hit, NULL));
         revisions[i] = revision_of(bodies[i]);
         reversed[2 - i] = bodies[i];
     }
@@ -129,7 +183,6 @@ static void two_contexts(void) {
     CrumpleExampleSetInfo info, same;
     CrumpleInstanceDef instance_def = crumple_instance_def_default();
     CrumpleInstance body;
-    CrumpleLodDef lod = crumple_lod_def_default();
     uint32_t number;
     def.threads = 1;
     OK(crumple_context_create(&def, &other));
@@ -138,16 +191,15 @@ static void two_contexts(void) {
     OK(crumple_example_set_get_info(other, there, &info));
     OK(crumple_example_set_get_info(context, own, &same));
     FACT(info.fingerprint == same.fingerprint && info.name != same.name);
-    lod.mesh = sheet.def.mesh;
-    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "shared", crumple_example_set_add_lod(context, own, &lod, &number));
+    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "shared", crumple_example_set_add_lod(context, own, &sheet.mesh, &number));
     FAILS(CRUMPLE_ERROR_INVALID_ID, "another context", crumple_example_set_share(context, there, other, &there));
     FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "context itself", crumple_example_set_share(context, own, context, &there));
     FAILS(CRUMPLE_ERROR_NULL_POINTER, "context", crumple_example_set_share(context, own, NULL, &there));
     OK(crumple_example_set_destroy(context, own));
     instance_def.set = there;
     OK(crumple_instance_create(other, &instance_def, &body));
-    CrumpleDisplacementDef hit = displacement_at(0, 0.1f, 0.03f);
-    OK(crumple_instance_submit_displacement(other, body, &hit, NULL));
+    CrumpleHitDef hit = displacement_at(0, 0.1f, 0.03f);
+    OK(crumple_instance_submit_hit(other, body, &hit, NULL));
     OK(crumple_context_destroy(other));
 }
 
@@ -155,12 +207,12 @@ static void repair_and_growth(void) {
     static float vertices[VERTICES][3];
     CrumpleInstance body = growing(0.05f);
     CrumpleBuffer buffer = positions_of(body, vertices);
-    CrumpleDisplacementDef hit = displacement_at(0, 0, 0.04f);
+    CrumpleHitDef hit = displacement_at(0, 0, 0.04f);
     CrumpleDeformReport report;
     CrumpleHitResult told;
     CrumpleInstanceInfo info;
     OK(crumple_context_set_time(context, 3));
-    OK(crumple_instance_submit_displacement(context, body, &hit, &told));
+    OK(crumple_instance_submit_hit(context, body, &hit, &told));
     const float *z = &vertices[told.contact_vertex][2], rest = sheet.positions[told.contact_vertex][2];
     for (int i = 0; i <= 4; ++i) {
         OK(crumple_context_set_time(context, 3 + 0.0125 * i));
@@ -195,6 +247,7 @@ static void parts(void) {
     static float whole[2 * PART][3], target[2 * PART][3], vertices[2][PART][3], mine[2 * PART][3];
     static uint32_t indices[2 * (ROWS - 1) * (SIDE - 1) * 6];
     CrumpleExampleDef example = crumple_example_def_default();
+    CrumpleMeshDef mesh = crumple_mesh_def_default();
     CrumpleExampleSetDef def = crumple_example_set_def_default();
     CrumpleExampleSet body_set;
     CrumpleInstanceDef instance_def = crumple_instance_def_default();
@@ -215,19 +268,20 @@ static void parts(void) {
             }
         }
     example.target_positions = input_of(target, sizeof target, sizeof target[0]);
-    def.mesh.vertex_count = 2 * PART;
-    def.mesh.positions = input_of(whole, sizeof whole, sizeof whole[0]);
-    def.mesh.index_count = n;
-    def.mesh.indices = input_of(indices, n * sizeof indices[0], sizeof indices[0]);
+    def.mesh = &mesh;
+    mesh.vertex_count = 2 * PART;
+    mesh.positions = input_of(whole, sizeof whole, sizeof whole[0]);
+    mesh.index_count = n;
+    mesh.indices = input_of(indices, n * sizeof indices[0], sizeof indices[0]);
     def.examples = &example;
     def.example_count = 1;
     OK(crumple_example_set_create(context, &def, &body_set));
     for (int part = 0; part < 2; ++part) {
-        CrumpleLodDef lod_def = crumple_lod_def_default();
-        lod_def.mesh.vertex_count = PART;
-        lod_def.mesh.positions = input_of(whole[part * PART], PART * sizeof whole[0], sizeof whole[0]);
-        lod_def.mesh.index_count = n / 2;
-        lod_def.mesh.indices = input_of(indices, n / 2 * sizeof indices[0], sizeof indices[0]);
+        CrumpleMeshDef lod_def = crumple_mesh_def_default();
+        lod_def.vertex_count = PART;
+        lod_def.positions = input_of(whole[part * PART], PART * sizeof whole[0], sizeof whole[0]);
+        lod_def.index_count = n / 2;
+        lod_def.indices = input_of(indices, n / 2 * sizeof indices[0], sizeof indices[0]);
         OK(crumple_example_set_add_lod(context, body_set, &lod_def, &lod));
         FACT(lod == (uint32_t)part + 1);
     }
@@ -242,8 +296,8 @@ static void parts(void) {
     }
 
     // One hit on the seam dents both; the seam stays closed.
-    CrumpleDisplacementDef hit = displacement_at(0, 0, 0.04f);
-    OK(crumple_instance_submit_displacement(context, body, &hit, NULL));
+    CrumpleHitDef hit = displacement_at(0, 0, 0.04f);
+    OK(crumple_instance_submit_hit(context, body, &hit, NULL));
     OK(crumple_context_deform(context, NULL, 0, NULL));
     for (int v = 0; v < SIDE; ++v) FACT(memcmp(vertices[0][PART - SIDE + v], vertices[1][v], sizeof vertices[0][0]) == 0);
     FACT(memcmp(mine, vertices, sizeof mine) == 0);
@@ -256,9 +310,9 @@ static void parts(void) {
     FACT(bumper.index == 0);
     OK(crumple_instance_release_part(context, body, 2, &bumper));
     hit = displacement_at(0, 0.3f, 0.03f);
-    OK(crumple_instance_submit_displacement(context, bumper, &hit, &told));
+    OK(crumple_instance_submit_hit(context, bumper, &hit, &told));
     FACT(told.contact_vertex >= PART);
-    OK(crumple_instance_submit_displacement(context, body, &hit, &told));
+    OK(crumple_instance_submit_hit(context, body, &hit, &told));
     FACT(told.contact_vertex < PART && fabsf(whole[told.contact_vertex][1]) < 1e-6f); // on the seam, the nearest of what is left
     OK(crumple_context_deform(context, NULL, 0, NULL));
     OK(crumple_instance_measure_part(context, bumper, 2, &deepest, NULL, &mean));
@@ -273,13 +327,13 @@ static void parts(void) {
     FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "off the body", crumple_instance_mount_part(context, body, bumper, true));
     FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "same instance", crumple_instance_mount_part(context, body, body, true));
     uint64_t revision = revision_of(bumper);
-    OK(crumple_instance_submit_displacement(context, body, &hit, &told));
+    OK(crumple_instance_submit_hit(context, body, &hit, &told));
     FACT(told.contact_vertex >= PART && revision_of(bumper) != revision);
     OK(crumple_instance_mount_part(context, body, bumper, false));
     OK(crumple_instance_destroy(context, bumper));
     OK(crumple_instance_set_part_rigid(context, body, 1, true));
     hit = displacement_at(0, -0.3f, 0.03f);
-    OK(crumple_instance_submit_displacement(context, body, &hit, &told));
+    OK(crumple_instance_submit_hit(context, body, &hit, &told));
     FACT(told.status == CRUMPLE_HIT_STATUS_RIGID && told.mark.energy == 0);
     OK(crumple_instance_get_marks(context, body, NULL, 0, &count));
     FAILS(CRUMPLE_ERROR_INVALID_ID, "stale", crumple_buffer_invalidate(context, buffers[2]));
@@ -293,6 +347,7 @@ int main(void) {
     make_sheet(&sheet);
     OK(crumple_context_create(&def, &context));
     OK(crumple_example_set_create(context, &sheet.def, &set));
+    whose();
     hits_and_buffers();
     bytes_of_all();
     two_contexts();

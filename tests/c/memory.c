@@ -32,7 +32,8 @@ static void check_steady_frames(void) {
     def.mark_capacity = 16;
     OK(crumple_instance_create(context, &def, &body));
     CrumpleHostBufferDef memory = crumple_host_buffer_def_default();
-    CrumpleBuffer buffer, changed[1];
+    CrumpleBuffer buffer;
+    CrumpleBufferInfo changed[1];
     memory.positions = stream_of(vertices, sizeof vertices, 0, 40);
     memory.normals = stream_of(vertices, sizeof vertices, 12, 40);
     memory.tangents = stream_of(vertices, sizeof vertices, 24, 40);
@@ -42,9 +43,9 @@ static void check_steady_frames(void) {
     uint32_t buffers, count;
     size_t most = 0;
     for (int frame = 0; frame < 600; ++frame) {
-        CrumpleDisplacementDef hit =
+        CrumpleHitDef hit =
             displacement_at((float)(frame * 37 % 101) / 101 - 0.5f, (float)(frame * 61 % 103) / 103 - 0.5f, 0.02f);
-        OK(crumple_instance_submit_displacement(context, body, &hit, NULL));
+        OK(crumple_instance_submit_hit(context, body, &hit, NULL));
         OK(crumple_context_deform(context, NULL, 0, NULL));
         OK(crumple_context_get_changed_buffers(context, changed, 1, &buffers));
         FACT(buffers == 1);

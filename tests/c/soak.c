@@ -8,6 +8,8 @@
 #include "support.h"
 #include "times.h"
 
+#include <crumple_host.h>
+
 enum { MOST_BODIES = 1000 };
 
 // --- Memory, counted by the host's allocator where the build has one.
@@ -85,10 +87,10 @@ int main(int argc, char **argv) {
     double now = begin;
     for (unsigned long long frame = 1; now - begin < wanted; ++frame) {
         for (unsigned i = dice(4); i > 0; --i) {
-            CrumpleDisplacementDef def = random_displacement();
+            CrumpleHitDef def = random_displacement();
             CrumpleInstance body = bodies[dice(count)];
             const double before = seconds();
-            OK(crumple_instance_submit_displacement(context, body, &def, NULL));
+            OK(crumple_instance_submit_hit(context, body, &def, NULL));
             add_time(&hits, seconds() - before);
         }
         const double before = seconds();

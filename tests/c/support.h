@@ -68,6 +68,7 @@ typedef struct Sheet {
     float targets[EXAMPLES][VERTICES][3];
     uint32_t indices[INDICES];
     CrumpleExampleDef examples[EXAMPLES];
+    CrumpleMeshDef mesh;
     CrumpleExampleSetDef def;
 } Sheet;
 
@@ -124,13 +125,15 @@ static inline void make_sheet(Sheet *sheet) {
         sheet->examples[e].target_positions = input_of(sheet->targets[e], sizeof sheet->targets[e], 12);
         sheet->examples[e].name = "dent";
     }
+    sheet->mesh = crumple_mesh_def_default();
+    sheet->mesh.vertex_count = VERTICES;
+    sheet->mesh.positions = input_of(sheet->positions, sizeof sheet->positions, 12);
+    sheet->mesh.normals = input_of(sheet->normals, sizeof sheet->normals, 12);
+    sheet->mesh.tangents = input_of(sheet->tangents, sizeof sheet->tangents, 16);
+    sheet->mesh.index_count = INDICES;
+    sheet->mesh.indices = input_of(sheet->indices, sizeof sheet->indices, 4);
     sheet->def = crumple_example_set_def_default();
-    sheet->def.mesh.vertex_count = VERTICES;
-    sheet->def.mesh.positions = input_of(sheet->positions, sizeof sheet->positions, 12);
-    sheet->def.mesh.normals = input_of(sheet->normals, sizeof sheet->normals, 12);
-    sheet->def.mesh.tangents = input_of(sheet->tangents, sizeof sheet->tangents, 16);
-    sheet->def.mesh.index_count = INDICES;
-    sheet->def.mesh.indices = input_of(sheet->indices, sizeof sheet->indices, 4);
+    sheet->def.mesh = &sheet->mesh;
     sheet->def.examples = sheet->examples;
     sheet->def.example_count = EXAMPLES;
     sheet->def.options.stamp_resolution = 12; // fast
@@ -152,8 +155,9 @@ static inline CrumpleInstance make_instance(CrumpleContext *context, CrumpleExam
     return instance;
 }
 
-static inline CrumpleDisplacementDef displacement_at(float x, float y, float depth) {
-    CrumpleDisplacementDef def = crumple_displacement_def_default();
+static inline CrumpleHitDef displacement_at(float x, float y, float depth) {
+    CrumpleHitDef def = crumple_hit_def_default();
+    def.kind = CRUMPLE_HIT_KIND_DISPLACEMENT;
     def.point = vec3(x, y, 0.07f);
     def.displacement = vec3(0, 0, -depth);
     return def;
@@ -167,7 +171,7 @@ static inline unsigned dice(unsigned below) {
 }
 
 // Somewhere on the sheet, 1 to 50 mm deep.
-static inline CrumpleDisplacementDef random_displacement(void) {
+static inline CrumpleHitDef random_displacement(void) {
     const float x = (float)dice(1000) / 1000 - 0.5f, y = (float)dice(1000) / 1000 - 0.5f;
     return displacement_at(x, y, 0.001f + (float)dice(100) / 2000);
 }

@@ -73,8 +73,8 @@ static void scene(const Sheet *sheet, CrumpleContextDef def, float (*vertices)[6
     buffer_def.normals = stream_of(vertices, bytes, 12, 24);
     OK(crumple_buffer_register_host(context, body, &buffer_def, &buffer));
     for (int i = 0; i < 12; ++i) {
-        CrumpleDisplacementDef hit = displacement_at(0.07f * (float)i - 0.4f, 0.05f * (float)i - 0.3f, 0.01f);
-        OK(crumple_instance_submit_displacement(context, body, &hit, NULL));
+        CrumpleHitDef hit = displacement_at(0.07f * (float)i - 0.4f, 0.05f * (float)i - 0.3f, 0.01f);
+        OK(crumple_instance_submit_hit(context, body, &hit, NULL));
         OK(crumple_context_deform(context, NULL, 0, NULL));
     }
     // Late callers may come as long as the context lives.

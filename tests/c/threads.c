@@ -10,8 +10,8 @@ static CrumpleContext *context;
 static CrumpleInstance bodies[BODIES];
 static volatile int running;
 
-static CrumpleDisplacementDef hit(int i) {
-    CrumpleDisplacementDef def = displacement_at((float)(i * 37 % 101) / 101 - 0.5f, (float)(i * 61 % 103) / 103 - 0.5f,
+static CrumpleHitDef hit(int i) {
+    CrumpleHitDef def = displacement_at((float)(i * 37 % 101) / 101 - 0.5f, (float)(i * 61 % 103) / 103 - 0.5f,
                                                  0.005f + 0.0001f * (float)(i % 300));
     return def;
 }
@@ -19,12 +19,12 @@ static CrumpleDisplacementDef hit(int i) {
 static void *submitter(void *user) {
     int first = *(int *)user;
     for (int i = first; i < THREADS * HITS; i += THREADS) {
-        CrumpleDisplacementDef def = hit(i);
+        CrumpleHitDef def = hit(i);
         CrumpleHitResult told;
-        OK(crumple_instance_submit_displacement(context, bodies[i % BODIES], &def, &told));
+        OK(crumple_instance_submit_hit(context, bodies[i % BODIES], &def, &told));
         if (i % 50 == 0) { // errors are each thread's own
             def.displacement.x = NAN;
-            FAILS(CRUMPLE_ERROR_NOT_FINITE, "displacement", crumple_instance_submit_displacement(context, bodies[0], &def, &told));
+            FAILS(CRUMPLE_ERROR_NOT_FINITE, "displacement", crumple_instance_submit_hit(context, bodies[0], &def, &told));
         }
     }
     return NULL;
@@ -109,7 +109,7 @@ static void two_inside(void) {
     CrumpleExampleSet set;
     CrumpleBuffer buffer;
     CrumpleHostBufferDef buffer_def = crumple_host_buffer_def_default();
-    CrumpleDisplacementDef one = hit(1);
+    CrumpleHitDef one = hit(1);
     CrumpleInstanceInfo info;
     pthread_t id;
     leave = 1;
@@ -129,7 +129,7 @@ static void two_inside(void) {
     FAILS_KEEPING(CRUMPLE_ERROR_CONCURRENT_USE, "another thread", info, crumple_instance_get_info(context, bodies[0], &info));
     FAILS(CRUMPLE_ERROR_CONCURRENT_USE, "another thread", crumple_context_deform(context, NULL, 0, NULL));
     FAILS(CRUMPLE_ERROR_CONCURRENT_USE, "another thread", crumple_context_destroy(context));
-    OK(crumple_instance_submit_displacement(context, bodies[0], &one, NULL)); // which is allowed
+    OK(crumple_instance_submit_hit(context, bodies[0], &one, NULL)); // which is allowed
     pthread_mutex_lock(&lock);
     leave = 1;
     pthread_cond_broadcast(&changed);

@@ -20,8 +20,8 @@ static void load_marks(CrumpleContext *context, CrumpleExampleSet set, int most)
     def.set = set;
     def.mark_capacity = 4096;
     OK(crumple_instance_create(context, &def, &body));
-    const CrumpleDisplacementDef hit = displacement_at(0, 0, 0.02f);
-    OK(crumple_instance_submit_displacement(context, body, &hit, NULL));
+    const CrumpleHitDef hit = displacement_at(0, 0, 0.02f);
+    OK(crumple_instance_submit_hit(context, body, &hit, NULL));
     OK(crumple_instance_get_marks(context, body, marks, 4096, &count));
     printf("\n| marks | ms, at one place | ms, spread |\n|---|---|---|\n");
     for (int n = 64; n <= most; n *= 4) {
@@ -63,9 +63,9 @@ int main(int argc, char **argv) {
     for (unsigned long long i = 0; i < warm_up + frames; ++i) {
         if (i == warm_up) start_measuring(&hit), start_measuring(&frame), start_measuring(&idle);
         const CrumpleInstance body = bodies[dice(BODIES)];
-        const CrumpleDisplacementDef def = random_displacement();
+        const CrumpleHitDef def = random_displacement();
         begin_time(&hit.times);
-        OK(crumple_instance_submit_displacement(context, body, &def, NULL));
+        OK(crumple_instance_submit_hit(context, body, &def, NULL));
         end_call(&hit);
         begin_time(&frame.times);
         OK(crumple_context_deform(context, NULL, 0, NULL));

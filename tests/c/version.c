@@ -1,5 +1,6 @@
 // The headers are C99, may be included twice and together, and are of the version of the library that runs.
 #include <crumple_graph.h>
+#include <crumple_host.h>
 #include <crumple_import.h>
 #include <crumple_parts.h>
 #include <crumple.h>
@@ -31,8 +32,7 @@ int main(void) {
     FACT(crumple_obj_def_default().struct_size == sizeof(CrumpleObjDef));
     FACT(crumple_mesh_copy_def_default().struct_size == sizeof(CrumpleMeshCopyDef));
     FACT(crumple_instance_def_default().struct_size == sizeof(CrumpleInstanceDef));
-    FACT(crumple_impulse_def_default().struct_size == sizeof(CrumpleImpulseDef));
-    FACT(crumple_displacement_def_default().struct_size == sizeof(CrumpleDisplacementDef));
+    FACT(crumple_hit_def_default().struct_size == sizeof(CrumpleHitDef));
     FACT(crumple_host_buffer_def_default().struct_size == sizeof(CrumpleHostBufferDef));
 
     // Results have names, and the first text is empty.

@@ -1,6 +1,8 @@
 // Whatever an engine hands to the Vulkan calls by mistake gets an error that names it, changes nothing, and all goes on.
 #include "vulkan_support.h"
 
+#include <crumple_parts.h>
+
 #include <pthread.h>
 
 static Host host;
@@ -193,8 +195,8 @@ static void buffers(void) {
 }
 
 static void hit(float x, float y, float depth) {
-    CrumpleDisplacementDef def = displacement_at(x, y, depth);
-    OK(crumple_instance_submit_displacement(context, body, &def, NULL));
+    CrumpleHitDef def = displacement_at(x, y, depth);
+    OK(crumple_instance_submit_hit(context, body, &def, NULL));
 }
 
 static void recordings(void) {

@@ -8,9 +8,9 @@ static const char *const CALLS[] = {"vkCreateBuffer", "vkAllocateMemory", "vkMap
 enum { WAYS = sizeof CALLS / sizeof *CALLS };
 
 static void hit(CrumpleContext *context, CrumpleInstance body, int i) {
-    CrumpleDisplacementDef def =
+    CrumpleHitDef def =
         displacement_at((float)(i * 37 % 101) / 101 - 0.5f, (float)(i * 61 % 103) / 103 - 0.5f, 0.02f);
-    OK(crumple_instance_submit_displacement(context, body, &def, NULL));
+    OK(crumple_instance_submit_hit(context, body, &def, NULL));
 }
 
 int main(void) {

@@ -124,8 +124,8 @@ typedef struct Scene {
 } Scene;
 
 static void hit(Scene *s, int i) {
-    CrumpleDisplacementDef def = displacement_at(0.1f * (float)i - 0.2f, 0.15f, 0.02f);
-    OK(crumple_instance_submit_displacement(s->context, s->body, &def, NULL));
+    CrumpleHitDef def = displacement_at(0.1f * (float)i - 0.2f, 0.15f, 0.02f);
+    OK(crumple_instance_submit_hit(s->context, s->body, &def, NULL));
 }
 
 static CrumpleResult attach(Scene *s) {

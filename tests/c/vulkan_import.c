@@ -86,8 +86,8 @@ int main(void) {
 
     for (uint64_t round = 1; round <= 4; ++round) {
         if (round != 3) {
-            CrumpleDisplacementDef hit = displacement_at(0.1f * (float)round - 0.2f, 0.15f, 0.02f);
-            OK(crumple_instance_submit_displacement(context, body, &hit, NULL));
+            CrumpleHitDef hit = displacement_at(0.1f * (float)round - 0.2f, 0.15f, 0.02f);
+            OK(crumple_instance_submit_hit(context, body, &hit, NULL));
         }
         pass(&host, &vertices, false);
         OK(crumple_vulkan_submit(context, NULL, 0, NULL, 0, NULL, 0, &frame, &report));

@@ -52,8 +52,8 @@ int main(void) {
     for (uint64_t frame = 1; frame <= HITS; ++frame) {
         // The first recording writes every vertex. The others write what more and more hits changed.
         for (int i = 0; i < BODIES && frame > 1; ++i) {
-            const CrumpleDisplacementDef def = random_displacement();
-            OK(crumple_instance_submit_displacement(context, bodies[i], &def, NULL));
+            const CrumpleHitDef def = random_displacement();
+            OK(crumple_instance_submit_hit(context, bodies[i], &def, NULL));
         }
         VkCommandBuffer commands = host_begin(&host);
         OK(crumple_vulkan_record(context, commands, frame, NULL, 0, NULL));

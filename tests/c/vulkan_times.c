@@ -37,10 +37,10 @@ int main(int argc, char **argv) {
     for (unsigned long long i = 0; i < warm_up + frames; ++i) {
         if (i == warm_up) start_measuring(&hit), start_measuring(&frame), start_measuring(&idle);
         const CrumpleInstance body = bodies[dice(BODIES)];
-        const CrumpleDisplacementDef def = random_displacement();
+        const CrumpleHitDef def = random_displacement();
         CrumpleRecordReport report;
         begin_time(&hit.times);
-        OK(crumple_instance_submit_displacement(context, body, &def, NULL));
+        OK(crumple_instance_submit_hit(context, body, &def, NULL));
         end_call(&hit);
         ++number;
         if (number > IN_FLIGHT) OK(crumple_vulkan_complete_frames(context, number - IN_FLIGHT));

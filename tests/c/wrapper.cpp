@@ -33,9 +33,11 @@ int main() {
     std::vector<CrumpleVec3> positions(VERTICES), normals(VERTICES);
     crumple::Buffer buffer = body.register_buffer(crumple::stream(positions), crumple::stream(normals)).value();
     FACT(buffer.bounds().value().max.x == 0.5f);
+    body.set_user_data(9).value();
+    FACT(body.user_data().value() == 9 && buffer.info().value().instance_user_data == 9);
     const auto told = body.submit_displacement(vec3(0.1f, 0.1f, 0.07f), vec3(0, 0, -0.04f)).value();
     FACT(told.status == CRUMPLE_HIT_STATUS_MARKED);
-    CrumpleImpulseDef impulse = crumple_impulse_def_default();
+    CrumpleHitDef impulse = crumple_hit_def_default();
     impulse.point = vec3(0.1f, 0.1f, 0.07f);
     impulse.impulse = vec3(0, 0, -1);
     impulse.duration = 0.01f;
@@ -68,14 +70,15 @@ int main() {
 
     // Many at once.
     const CrumpleInstance both[] = {body.id(), other.id()};
-    CrumpleDisplacementDef hits[] = {crumple_displacement_def_default(), crumple_displacement_def_default()};
+    CrumpleHitDef hits[] = {crumple_hit_def_default(), crumple_hit_def_default()};
+    hits[0].kind = hits[1].kind = CRUMPLE_HIT_KIND_DISPLACEMENT;
     hits[0].point = hits[1].point = vec3(0.2f, 0, 0.07f);
     hits[0].displacement = hits[1].displacement = vec3(0, 0, -0.02f);
     FACT(context.submit(both, hits, 2).value()[1].status == CRUMPLE_HIT_STATUS_MARKED);
     impulse.impulse = vec3(0, 0, -0.001f);
     FACT(context.submit(both, &impulse, 1).value().size() == 1);
     context.deform().value();
-    FACT(context.changed_buffers().value().size() == 1 && context.changed_buffers().value()[0].index == buffer.id().index);
+    FACT(context.changed_buffers().value().size() == 1 && context.changed_buffers().value()[0].buffer.index == buffer.id().index);
     const auto all = context.save_damage().value();
     const uint64_t others = other.info().value().revision;
     other.load(body.save().value()).value();
@@ -93,11 +96,10 @@ int main() {
 
     // Parts.
     crumple::ExampleSet sheets = context.create_example_set(sheet->def).value();
-    CrumpleLodDef half = crumple_lod_def_default();
-    half.mesh = sheet->def.mesh;
-    half.mesh.vertex_count = SIDE * 2;
-    half.mesh.index_count = (SIDE - 1) * 6;
-    half.mesh.tangents = CrumpleInput{};
+    CrumpleMeshDef half = sheet->mesh;
+    half.vertex_count = SIDE * 2;
+    half.index_count = (SIDE - 1) * 6;
+    half.tangents = CrumpleInput{};
     const uint32_t part = sheets.add_lod(half).value();
     crumple::Instance whole = context.create_instance(sheets).value(), off = whole.release_part(part).value();
     FACT(off.submit_displacement(vec3(0, 0, 0.07f), vec3(0, 0, -0.04f)).value().contact_vertex < SIDE * 2);

@@ -59,7 +59,7 @@ static class CallbackTests
             CrumpleVec3[] vertices = new CrumpleVec3[Sheet.Vertices];
             Instance body = context.CreateInstance(set);
             body.RegisterHostBuffer(StridedArray.Of(vertices));
-            body.SubmitDisplacement(Sheet.Hit(0, 0, 0.04f));
+            body.Submit(Sheet.Hit(0, 0, 0.04f));
             context.Deform();
             Check.Same("thrown by a task handler", context.LastCallbackException.Message, "kept");
             Check.Near(0.04f, Sheet.Deepest(vertices), 5e-4f, "Crumple does what the handler forgot");
@@ -100,7 +100,7 @@ static class CallbackTests
                 Instance body = context.CreateInstance(context.CreateExampleSet(Sheet.Def()));
                 seen[own] = new CrumpleVec3[Sheet.Vertices];
                 body.RegisterHostBuffer(StridedArray.Of(seen[own]));
-                body.SubmitDisplacement(Sheet.Hit(0.1f, 0.1f, 0.04f));
+                body.Submit(Sheet.Hit(0.1f, 0.1f, 0.04f));
                 context.Deform();
                 Check.Same(null, context.LastCallbackException, "exceptions");
             }

@@ -16,7 +16,7 @@ static class DentTests
             CrumpleVec3[] vertices = new CrumpleVec3[Sheet.Vertices], seen = new CrumpleVec3[Sheet.Vertices];
             HostBuffer buffer = body.RegisterHostBuffer(StridedArray.Of(vertices));
             other.RegisterHostBuffer(StridedArray.Of(seen));
-            CrumpleHitResult told = body.SubmitDisplacement(Sheet.Hit(0, 0, 0.04f));
+            CrumpleHitResult told = body.Submit(Sheet.Hit(0, 0, 0.04f));
             Check.Same(CrumpleHitStatus.Marked, told.Status, "status");
             Check.Near(-0.04f, told.Achieved.Z, 1e-5f, "achieved");
             Check.Same(told.GetChosen(0).Anchored ? 1 : 0, told.Mark.GetPair(0).Share >> 15, "anchored, in both");
@@ -40,7 +40,7 @@ static class DentTests
             Check.Same(0, other.MarkCount, "reset");
             other.LoadDamage(saved);
             Check.That(other.SaveDamage().SequenceEqual(saved), "bytes come back");
-            body.SubmitDisplacement(Sheet.Hit(0.25f, 0.2f, 0.02f));
+            body.Submit(Sheet.Hit(0.25f, 0.2f, 0.02f));
             other.CopyDamageFrom(body);
             Check.That(other.SaveDamage().SequenceEqual(body.SaveDamage()), "copied");
             body.RepairDamage(0.5f);
@@ -65,21 +65,22 @@ static class DentTests
             bodies[0].RegisterHostBuffer(StridedArray.Of(vertices));
             HostBuffer second = bodies[1].RegisterHostBuffer(StridedArray.Of(seen));
             context.Deform();
-            CrumpleBuffer[] changed = new CrumpleBuffer[2];
+            CrumpleBufferInfo[] changed = new CrumpleBufferInfo[2];
             Check.Same(2, context.GetChangedBuffers(changed), "all are written first");
-            Check.Fails(CrumpleResult.ErrorBufferTooSmall, "room for 0", () => context.GetChangedBuffers(default(Span<CrumpleBuffer>)));
-            bodies[1].SubmitDisplacement(Sheet.Hit(0, 0, 0.02f));
+            Check.Fails(CrumpleResult.ErrorBufferTooSmall, "room for 0", () => context.GetChangedBuffers(default(Span<CrumpleBufferInfo>)));
+            bodies[1].Submit(Sheet.Hit(0, 0, 0.02f));
             context.Deform();
             Check.Same(1, context.GetChangedBuffers(changed), "one is hit");
-            Check.Same(second.Id.Index, changed[0].Index, "the second");
+            Check.Same(second.Id.Index, changed[0].Buffer.Index, "the second");
+            Check.Same(bodies[1].Id.Index, changed[0].Instance.Index, "of the second body");
 
             CrumpleHitResult[] results = new CrumpleHitResult[2];
-            CrumpleDisplacementDef[] hits = { Sheet.Hit(0.2f, 0, 0.03f), Sheet.Hit(0.2f, 0.1f, 0.03f) };
-            context.SubmitDisplacements(ids, hits, results);
+            CrumpleHitDef[] hits = { Sheet.Hit(0.2f, 0, 0.03f), Sheet.Hit(0.2f, 0.1f, 0.03f) };
+            context.SubmitHits(ids, hits, results);
             Check.Same(CrumpleHitStatus.Marked, results[1].Status, "status");
-            Check.Throws<ArgumentException>(() => context.SubmitDisplacements(ids, hits.Take(1).ToArray(), results));
-            CrumpleImpulseDef blow = CrumpleImpulseDef.Default;
-            Check.Fails(CrumpleResult.ErrorInvalidArgument, "hit 0: ", () => context.SubmitImpulses(ids.Take(1).ToArray(), new[] { blow }, default(Span<CrumpleHitResult>)));
+            Check.Throws<ArgumentException>(() => context.SubmitHits(ids, hits.Take(1).ToArray(), results));
+            CrumpleHitDef blow = CrumpleHitDef.Default;
+            Check.Fails(CrumpleResult.ErrorInvalidArgument, "hit 0: ", () => context.SubmitHits(ids.Take(1).ToArray(), new[] { blow }, default(Span<CrumpleHitResult>)));
             byte[] all = context.SaveDamage();
             Check.That(all.SequenceEqual(context.SaveDamage(ids)), "all are both");
             bodies[1].LoadDamage(bodies[0].SaveDamage());
@@ -91,7 +92,7 @@ static class DentTests
             ExampleSet there = set.ShareWith(other);
             Check.Same(set.GetInfo().Fingerprint, there.GetInfo().Fingerprint, "shared");
             set.Dispose();
-            other.CreateInstance(there).SubmitDisplacement(hits[0]);
+            other.CreateInstance(there).Submit(hits[0]);
         }
     }
 
@@ -149,9 +150,9 @@ static class DentTests
             CrumpleVec3[] vertices = new CrumpleVec3[Sheet.Vertices];
             body.RegisterHostBuffer(StridedArray.Of(vertices));
             context.SetTime(1);
-            CrumpleDisplacementDef hit = Sheet.Hit(0, 0, 0.04f);
+            CrumpleHitDef hit = Sheet.Hit(0, 0, 0.04f);
             hit.ContactId = 3;
-            body.SubmitDisplacement(in hit);
+            body.Submit(in hit);
             body.EndContact(3);
             Check.Near(-0.04f, body.GetContact(3).Target.Z, 1e-6f, "of a contact that ended");
             context.SetTime(1.05);
@@ -179,24 +180,24 @@ static class DentTests
             half.SetTriangles(Sheet.Triangles().Take((Rows - 1) * (Sheet.Side - 1) * 6).ToArray());
             int part = set.AddLod(half);
             Instance body = context.CreateInstance(set);
-            body.SubmitDisplacement(Sheet.Hit(0, -0.1f, 0.03f));
+            body.Submit(Sheet.Hit(0, -0.1f, 0.03f));
             Instance bumper = body.ReleasePart(part);
             Check.Same(body.Revision, bumper.Revision, "it keeps its dents");
-            CrumpleHitResult told = body.SubmitDisplacement(Sheet.Hit(0, -0.4f, 0.03f));
+            CrumpleHitResult told = body.Submit(Sheet.Hit(0, -0.4f, 0.03f));
             Check.That(told.ContactVertex >= Rows * Sheet.Side, "on what is left");
-            told = bumper.SubmitDisplacement(Sheet.Hit(0, 0.4f, 0.03f));
+            told = bumper.Submit(Sheet.Hit(0, 0.4f, 0.03f));
             Check.That(told.ContactVertex < Rows * Sheet.Side, "on the part");
             float deepest = bumper.MeasurePart(part, out float mean, out float energy);
             Check.That(mean > 0 && mean < deepest && deepest < 0.05f && energy > 0.02f, "measured");
             body.MountPart(bumper);
             ulong before = bumper.Revision;
-            body.SubmitDisplacement(Sheet.Hit(0, -0.3f, 0.03f));
+            body.Submit(Sheet.Hit(0, -0.3f, 0.03f));
             Check.That(bumper.Revision != before, "dented with the body");
             body.MountPart(bumper, false);
             Check.Fails(CrumpleResult.ErrorInvalidArgument, "on this body", () => body.MountPart(bumper, false));
             body.SetPartRigid(part, true);
             body.MountPart(bumper);
-            Check.Same(CrumpleHitStatus.Rigid, body.SubmitDisplacement(Sheet.Hit(0, -0.3f, 0.03f)).Status, "glass");
+            Check.Same(CrumpleHitStatus.Rigid, body.Submit(Sheet.Hit(0, -0.3f, 0.03f)).Status, "glass");
         }
     }
 
@@ -211,7 +212,7 @@ static class DentTests
             HostBuffer buffer = body.RegisterHostBuffer(StridedArray.Of(vertices));
             context.Deform();
             CrumpleVec3[] before = (CrumpleVec3[])vertices.Clone();
-            body.SubmitDisplacement(Sheet.Hit(0.25f, 0.2f, 0.03f));
+            body.Submit(Sheet.Hit(0.25f, 0.2f, 0.03f));
             context.Deform();
             CrumpleRange[] ranges = new CrumpleRange[16];
             int count = buffer.GetChanges(ranges, out CrumpleAabb bounds);
@@ -249,14 +250,14 @@ static class DentTests
             float[] turned = { 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 5, 6, 7, 1 }; // a quarter turn about z, and away
             def.SetLocalToWorld(turned);
             Instance body = context.CreateInstance(set, in def), whole = context.CreateInstance(set);
-            CrumpleDisplacementDef hit = Sheet.Hit(5 - 0.1f, 6 + 0.2f, 0.03f);
+            CrumpleHitDef hit = Sheet.Hit(5 - 0.1f, 6 + 0.2f, 0.03f);
             hit.Point.Z += 7;
             hit.Space = CrumpleSpace.World;
-            CrumpleHitResult told = body.SubmitDisplacement(in hit);
+            CrumpleHitResult told = body.Submit(in hit);
             Check.Same(set.NearestVertex(new CrumpleVec3(0.2f, 0.1f, 0.07f), out float distance), (int)told.ContactVertex, "turned back");
             Check.Near(distance, told.ContactDistance, 1e-5f, "distance");
             body.SetTransform(new float[] { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 });
-            Check.Fails(CrumpleResult.ErrorContactTooFar, "m", () => body.SubmitDisplacement(in hit));
+            Check.Fails(CrumpleResult.ErrorContactTooFar, "m", () => body.Submit(in hit));
             Check.Throws<ArgumentException>(() => body.SetTransform(new float[12]), "16");
             Check.Fails(CrumpleResult.ErrorInvalidArgument, "", () => body.SetTransform(new float[16]));
 
@@ -289,7 +290,7 @@ static class DentTests
             CrumpleVec3[] vertices = new CrumpleVec3[Sheet.Vertices], proxy = new CrumpleVec3[2];
             HostBuffer buffer = body.RegisterHostBuffer(StridedArray.Of(vertices));
             HostBuffer collider = body.RegisterHostBuffer(StridedArray.Of(proxy), lod: 1);
-            body.SubmitDisplacement(Sheet.Hit(0, 0, 0.05f));
+            body.Submit(Sheet.Hit(0, 0, 0.05f));
             Check.That(body.GetAttachedFrame(in lamp).Position.Z < rest.Position.Z - 0.03f, "the lamp follows");
             context.Deform();
             Check.Same(vertices[312], proxy[0], "a level's vertex on a base vertex");

@@ -41,7 +41,7 @@ static class DomainTests
             body = context.CreateInstance(context.CreateExampleSet(Sheet.Def()));
             vertices = new CrumpleVec3[Sheet.Vertices];
             body.RegisterHostBuffer(StridedArray.Of(vertices));
-            body.SubmitDisplacement(Sheet.Hit(0, 0, 0.03f));
+            body.Submit(Sheet.Hit(0, 0, 0.03f));
             context.Deform();
             Check.Near(0.03f, Sheet.Deepest(vertices), 5e-4f, "in the other domain");
             Check.That(messages > 0, "messages in the other domain");
@@ -81,7 +81,7 @@ static class DomainTests
                 }
                 GC.Collect();
                 // Nothing of this domain was touched.
-                body.SubmitDisplacement(Sheet.Hit(0.1f * round - 0.2f, 0, 0.03f));
+                body.Submit(Sheet.Hit(0.1f * round - 0.2f, 0, 0.03f));
                 context.Deform();
                 Check.Same(round + 1, body.MarkCount, "marks");
                 Check.That(Sheet.Deepest(vertices) > 0.028f, "dented");

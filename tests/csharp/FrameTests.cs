@@ -38,13 +38,13 @@ static class FrameTests
                 }
                 float x = frame * 37 % 101 / 101f - 0.5f, y = frame * 61 % 103 / 103f - 0.5f;
                 body.SubmitImpulse(new CrumpleVec3(x, y, 0.07f), new CrumpleVec3(0, 0, -2), 0.01f, 1);
-                CrumpleImpulseDef part = CrumpleImpulseDef.Default;
+                CrumpleHitDef part = CrumpleHitDef.Default;
                 part.Point = new CrumpleVec3(y, x, 0.07f);
                 part.Impulse = new CrumpleVec3(0, 0, -1);
                 part.Duration = 0.01f;
                 part.Mass = 1;
                 part.ContactId = 1 + (ulong)(frame / 10);
-                body.SubmitImpulse(in part);
+                body.Submit(in part);
                 body.EndContact(part.ContactId);
                 body.SetTransform(transform);
                 body.SetTolerance(CrumpleRuntime.PixelTolerance(1, 20, 1, 1080));
@@ -94,7 +94,7 @@ static class FrameTests
                 ExampleSet set = context.LoadBaked(baked);
                 Instance body = context.CreateInstance(set);
                 body.RegisterHostBuffer(StridedArray.Of(new CrumpleVec3[Sheet.Vertices]));
-                body.SubmitDisplacement(Sheet.Hit(0, 0, 0.02f));
+                body.Submit(Sheet.Hit(0, 0, 0.02f));
                 context.Deform();
                 if (scene % 2 == 0) body.Dispose();
             }

@@ -46,7 +46,7 @@ static class LifetimeTests
             Check.Throws<ObjectDisposedException>(() => scene.Context.Deform(), "CrumpleContext");
             Check.Throws<ObjectDisposedException>(() => scene.Context.CreateInstance(scene.Set));
             Check.Throws<ObjectDisposedException>(() => scene.Set.GetInfo());
-            Check.Throws<ObjectDisposedException>(() => scene.Body.SubmitDisplacement(Sheet.Hit(0, 0, 0.1f)));
+            Check.Throws<ObjectDisposedException>(() => scene.Body.Submit(Sheet.Hit(0, 0, 0.1f)));
             Check.Throws<ObjectDisposedException>(() => scene.Buffer.Invalidate());
             Check.Throws<ObjectDisposedException>(() => scene.Context.Pointer.ToString());
             Check.That(scene.Context.IsDisposed && scene.Buffer.IsDisposed, "disposed");
@@ -59,7 +59,7 @@ static class LifetimeTests
         scene.Set.Dispose();
         Check.Throws<ObjectDisposedException>(() => scene.Set.GetInfo(), "ExampleSet");
         Check.Throws<ObjectDisposedException>(() => scene.Context.CreateInstance(scene.Set), "ExampleSet");
-        scene.Body.SubmitDisplacement(Sheet.Hit(0, 0, 0.03f)); // which keeps what it needs of its set
+        scene.Body.Submit(Sheet.Hit(0, 0, 0.03f)); // which keeps what it needs of its set
         scene.Context.Deform();
         scene.Buffer.Dispose();
         Check.Throws<ObjectDisposedException>(() => scene.Buffer.Invalidate(), "HostBuffer");
@@ -190,7 +190,7 @@ static class LifetimeTests
         two.Context.Dispose();
         Check.Same(0, CrumpleRuntime.Shutdown(), "left behind");
         Check.Throws<ObjectDisposedException>(() => one.Context.Deform(), "CrumpleContext");
-        Check.Throws<ObjectDisposedException>(() => one.Body.SubmitDisplacement(Sheet.Hit(0, 0, 0.1f)));
+        Check.Throws<ObjectDisposedException>(() => one.Body.Submit(Sheet.Hit(0, 0, 0.1f)));
         one.Buffer.Dispose();
         one.Body.Dispose();
         one.Context.Dispose();

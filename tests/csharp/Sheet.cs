@@ -54,9 +54,10 @@ static class Sheet
     }
 
     /// <summary>A hit from above that asks for so many metres.</summary>
-    public static CrumpleDisplacementDef Hit(float x, float y, float depth)
+    public static CrumpleHitDef Hit(float x, float y, float depth)
     {
-        CrumpleDisplacementDef def = CrumpleDisplacementDef.Default;
+        CrumpleHitDef def = CrumpleHitDef.Default;
+        def.Kind = CrumpleHitKind.Displacement;
         def.Point = new CrumpleVec3(x, y, 0.07f);
         def.Displacement = new CrumpleVec3(0, 0, -depth);
         return def;

@@ -9,7 +9,7 @@ static class ThreadTests
 {
     const int Threads = 8, Hits = 200, Bodies = 3;
 
-    static CrumpleDisplacementDef Hit(int i)
+    static CrumpleHitDef Hit(int i)
     {
         return Sheet.Hit(i * 37 % 101 / 101f - 0.5f, i * 61 % 103 / 103f - 0.5f, 0.005f + 0.0001f * (i % 300));
     }
@@ -36,14 +36,14 @@ static class ThreadTests
                 {
                     for (int i = first; i < order.Length; i += threads)
                     {
-                        bodies[order[i] % Bodies].SubmitDisplacement(Hit(order[i]));
+                        bodies[order[i] % Bodies].Submit(Hit(order[i]));
                         if (i % 50 != 0) continue;
                         // Each thread has an error text of its own.
                         string part = i % 100 == 0 ? "point" : "displacement";
-                        CrumpleDisplacementDef bad = Hit(i);
+                        CrumpleHitDef bad = Hit(i);
                         if (i % 100 == 0) bad.Point.X = float.NaN;
                         else bad.Displacement.X = float.NaN;
-                        Check.Throws<CrumpleException>(() => bodies[0].SubmitDisplacement(in bad), part);
+                        Check.Throws<CrumpleException>(() => bodies[0].Submit(in bad), part);
                     }
                 }));
             }
@@ -116,7 +116,7 @@ static class ThreadTests
             Check.Fails(CrumpleResult.ErrorConcurrentUse, "another thread", () => context.Dispose());
             Check.Fails(CrumpleResult.ErrorConcurrentUse, "another thread", () => body.Dispose());
             Check.Fails(CrumpleResult.ErrorConcurrentUse, "another thread", () => buffer.Dispose());
-            body.SubmitDisplacement(Hit(1)); // which is allowed
+            body.Submit(Hit(1)); // which is allowed
             leave.Set();
             deformer.Join();
             Check.Same(0, errors.Count, "errors of the deform");

@@ -106,7 +106,7 @@ static unsafe class VulkanTests
         Check.Fails(CrumpleResult.ErrorFramesInFlight, "frame", () => context.DetachVulkan());
         Check.Fails(CrumpleResult.ErrorFramesInFlight, "frame", () => context.Dispose());
         Check.That(!context.IsDisposed, "it goes on");
-        body.SubmitDisplacement(Sheet.Hit(0, 0, 0.03f));
+        body.Submit(Sheet.Hit(0, 0, 0.03f));
         shared_run(shared, commands);
         context.CompleteFrames(1);
         context.DetachVulkan();

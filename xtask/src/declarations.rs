@@ -9,8 +9,15 @@ use anyhow::{Context, Result, bail};
 /// The folder of the headers.
 pub const INCLUDE: &str = "include";
 /// The headers, each after those that it includes.
-pub const HEADERS: &[&str] =
-    &["crumple.h", "crumple_build.h", "crumple_import.h", "crumple_parts.h", "crumple_vulkan.h", "crumple_graph.h"];
+pub const HEADERS: &[&str] = &[
+    "crumple.h",
+    "crumple_build.h",
+    "crumple_import.h",
+    "crumple_parts.h",
+    "crumple_host.h",
+    "crumple_vulkan.h",
+    "crumple_graph.h",
+];
 
 /// The headers of a folder as one text.
 pub fn read(include: &Path) -> Result<String> {

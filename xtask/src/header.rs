@@ -36,7 +36,6 @@ const CORE: &[&str] = &[
     "select/hit.rs",
     "contacts/options.rs",
     "damage/mark.rs",
-    "capi/allocator.rs",
     "capi/tasks.rs",
     "capi/context.rs",
     "capi/set.rs",
@@ -77,9 +76,15 @@ const PARTS: &[Part] = &[
     },
     Part {
         name: "crumple_parts.h",
-        about: "// Crumple: bodies whose parts come off, and points that move with the surface, such as lamps.\n",
+        about: "// Crumple: bodies whose parts come off, points that move with the surface, such as lamps, and colliders.\n",
         include: "crumple.h",
-        sources: &["capi/parts.rs", "capi/attach.rs"],
+        sources: &["capi/parts.rs", "capi/attach.rs", "capi/colliders.rs"],
+    },
+    Part {
+        name: "crumple_host.h",
+        about: "// Crumple: the host's allocator, and example sets in several contexts.\n",
+        include: "crumple.h",
+        sources: &["capi/allocator.rs", "capi/share.rs"],
     },
     Part {
         name: "crumple_vulkan.h",
@@ -181,9 +186,17 @@ fn write_header(workspace: &Workspace, sources: &[&str], config: cbindgen::Confi
             true => line.to_owned(),
             false => line.replace("struct Crumple", "Crumple").replace("enum Crumple", "Crumple"),
         };
-        // Constants go together.
-        if line.starts_with("///") && lines.ends_with(&[String::new()]) && lines[lines.len() - 2].starts_with("#define")
-        {
+        // Constants go together, each below its comment.
+        if line.starts_with("#define") {
+            let comment = lines.iter().rev().take_while(|above| above.starts_with("///")).count();
+            let gap = lines.len() - comment;
+            if gap >= 2 && lines[gap - 1].is_empty() && lines[gap - 2].starts_with("#define") {
+                lines.remove(gap - 1);
+            }
+        }
+        // A function without a comment returns the def of the next function.
+        let joins = line.starts_with("///") || is_default(line);
+        if joins && lines.ends_with(&[String::new()]) && is_default(&lines[lines.len() - 2]) {
             lines.pop();
         }
         match lines.last_mut() {
@@ -201,4 +214,8 @@ fn write_header(workspace: &Workspace, sources: &[&str], config: cbindgen::Confi
         }
     }
     Ok(lines.join("\n") + "\n")
+}
+
+fn is_default(declaration: &str) -> bool {
+    declaration.ends_with("_def_default(void);")
 }

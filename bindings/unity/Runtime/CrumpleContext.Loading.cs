@@ -16,14 +16,16 @@ namespace Crumple
             if (def == null) throw new ArgumentNullException("def");
             using (Pins pins = new Pins())
             {
+                CrumpleMeshDef mesh = CrumpleMeshDef.Default;
+                mesh.VertexCount = MeshDef.Count(def.VertexCount, "VertexCount");
+                mesh.Positions = pins.Input(def.Positions);
+                mesh.Normals = pins.Input(def.Normals);
+                mesh.Tangents = pins.Input(def.Tangents);
+                mesh.Indices = pins.Input(def.Indices);
+                mesh.IndexCount = MeshDef.Count(def.IndexCount, "IndexCount");
+                mesh.IndexType = def.IndexType;
                 CrumpleExampleSetDef native = CrumpleExampleSetDef.Default;
-                native.Mesh.VertexCount = MeshDef.Count(def.VertexCount, "VertexCount");
-                native.Mesh.Positions = pins.Input(def.Positions);
-                native.Mesh.Normals = pins.Input(def.Normals);
-                native.Mesh.Tangents = pins.Input(def.Tangents);
-                native.Mesh.Indices = pins.Input(def.Indices);
-                native.Mesh.IndexCount = MeshDef.Count(def.IndexCount, "IndexCount");
-                native.Mesh.IndexType = def.IndexType;
+                native.Mesh = (IntPtr)(&mesh);
                 native.Options = def.Options;
                 if (def.VertexMasses != null) native.Options.VertexMasses = pins.Input(StridedArray.Of(def.VertexMasses));
                 CrumpleExampleDef[] examples = new CrumpleExampleDef[def.Examples.Count];

@@ -7,19 +7,19 @@ namespace Crumple
     public sealed partial class CrumpleContext
     {
         /// <summary>
-        /// The buffers that the last deform, and the last recording, wrote to. Allocates nothing.
+        /// The buffers that the last deform, and the last recording, wrote to, and whose they are. Allocates nothing.
         /// </summary>
         /// <returns>How many there are.</returns>
         /// <exception cref="CrumpleException">Among others: there are more than the destination has room for.</exception>
-        public unsafe int GetChangedBuffers(Span<CrumpleBuffer> destination)
+        public unsafe int GetChangedBuffers(Span<CrumpleBufferInfo> destination)
         {
-            CrumpleBuffer none;
+            CrumpleBufferInfo none;
             uint count;
             using (Call call = EnterAlone(this))
-            fixed (CrumpleBuffer* buffers = &MemoryMarshal.GetReference(destination))
+            fixed (CrumpleBufferInfo* buffers = &MemoryMarshal.GetReference(destination))
             {
                 // No room is not the same as asking for the number.
-                CrumpleBuffer* room = buffers == null ? &none : buffers;
+                CrumpleBufferInfo* room = buffers == null ? &none : buffers;
                 call.Check(NativeMethods.crumple_context_get_changed_buffers(call.Context, room, (uint)destination.Length, &count),
                     "crumple_context_get_changed_buffers");
             }
@@ -30,16 +30,16 @@ namespace Crumple
         /// Reports hits, each on the instance at the same index: all or none. Results may be empty. Any thread, at any time.
         /// Allocates nothing.
         /// </summary>
-        public unsafe void SubmitImpulses(ReadOnlySpan<CrumpleInstance> instances, ReadOnlySpan<CrumpleImpulseDef> defs,
+        public unsafe void SubmitHits(ReadOnlySpan<CrumpleInstance> instances, ReadOnlySpan<CrumpleHitDef> defs,
             Span<CrumpleHitResult> results)
         {
             uint count = Together(instances.Length, defs.Length, results.Length);
             using (Call call = Enter(this))
             fixed (CrumpleInstance* ids = &MemoryMarshal.GetReference(instances))
-            fixed (CrumpleImpulseDef* first = &MemoryMarshal.GetReference(defs))
+            fixed (CrumpleHitDef* first = &MemoryMarshal.GetReference(defs))
             fixed (CrumpleHitResult* told = &MemoryMarshal.GetReference(results))
-                call.Check(NativeMethods.crumple_context_submit_impulses(call.Context, ids, first, count, told),
-                    "crumple_context_submit_impulses");
+                call.Check(NativeMethods.crumple_context_submit_hits(call.Context, ids, first, count, told),
+                    "crumple_context_submit_hits");
         }
 
         /// <summary>
@@ -106,19 +106,6 @@ namespace Crumple
         {
             using (Call call = Enter(this))
                 call.Check(NativeMethods.crumple_context_clear_contacts(call.Context), "crumple_context_clear_contacts");
-        }
-
-        /// <summary>The same for displacements.</summary>
-        public unsafe void SubmitDisplacements(ReadOnlySpan<CrumpleInstance> instances, ReadOnlySpan<CrumpleDisplacementDef> defs,
-            Span<CrumpleHitResult> results)
-        {
-            uint count = Together(instances.Length, defs.Length, results.Length);
-            using (Call call = Enter(this))
-            fixed (CrumpleInstance* ids = &MemoryMarshal.GetReference(instances))
-            fixed (CrumpleDisplacementDef* first = &MemoryMarshal.GetReference(defs))
-            fixed (CrumpleHitResult* told = &MemoryMarshal.GetReference(results))
-                call.Check(NativeMethods.crumple_context_submit_displacements(call.Context, ids, first, count, told),
-                    "crumple_context_submit_displacements");
         }
 
         private static uint Together(int instances, int defs, int results)

@@ -8,8 +8,8 @@ namespace Crumple
     /// <para>
     /// Threads: only one thread may be inside a context at once, whichever object of it is called; a second one gets a
     /// <see cref="CrumpleException"/> with <see cref="CrumpleResult.ErrorConcurrentUse"/>. Excepted are
-    /// <see cref="Instance.SubmitImpulse(in CrumpleImpulseDef)"/>,
-    /// <see cref="Instance.SubmitDisplacement(in CrumpleDisplacementDef)"/> and <see cref="Instance.EndContact"/>: any thread, at
+    /// <see cref="Instance.Submit(in CrumpleHitDef)"/>,
+    /// <see cref="Instance.SubmitDisplacement(CrumpleVec3, CrumpleVec3)"/> and <see cref="Instance.EndContact"/>: any thread, at
     /// any time.
     /// </para>
     /// <para>

@@ -206,14 +206,14 @@ namespace Crumple
             if (def == null) throw new ArgumentNullException("def");
             using (Pins pins = new Pins())
             {
-                CrumpleLodDef native = CrumpleLodDef.Default;
-                native.Mesh.VertexCount = MeshDef.Count(def.VertexCount, "VertexCount");
-                native.Mesh.Positions = pins.Input(def.Positions);
-                native.Mesh.Normals = pins.Input(def.Normals);
-                native.Mesh.Tangents = pins.Input(def.Tangents);
-                native.Mesh.Indices = pins.Input(def.Indices);
-                native.Mesh.IndexCount = MeshDef.Count(def.IndexCount, "IndexCount");
-                native.Mesh.IndexType = def.IndexType;
+                CrumpleMeshDef native = CrumpleMeshDef.Default;
+                native.VertexCount = MeshDef.Count(def.VertexCount, "VertexCount");
+                native.Positions = pins.Input(def.Positions);
+                native.Normals = pins.Input(def.Normals);
+                native.Tangents = pins.Input(def.Tangents);
+                native.Indices = pins.Input(def.Indices);
+                native.IndexCount = MeshDef.Count(def.IndexCount, "IndexCount");
+                native.IndexType = def.IndexType;
                 uint lod;
                 using (Call call = Context.EnterAlone(this))
                     call.Check(NativeMethods.crumple_example_set_add_lod(call.Context, Id, &native, &lod),

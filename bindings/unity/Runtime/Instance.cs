@@ -108,15 +108,15 @@ namespace Crumple
         }
 
         /// <summary>
-        /// Reports an impulse. A hit that is too weak, or that no example answers, is no error: see Status of the result. Any
-        /// thread, at any time. Allocates nothing.
+        /// Reports a hit. One that is too weak, or that no example answers, is no error: see Status of the result. Any thread, at
+        /// any time. Allocates nothing.
         /// </summary>
-        public unsafe CrumpleHitResult SubmitImpulse(in CrumpleImpulseDef def)
+        public unsafe CrumpleHitResult Submit(in CrumpleHitDef def)
         {
-            CrumpleImpulseDef copy = def;
+            CrumpleHitDef copy = def;
             CrumpleHitResult result;
             using (Call call = Context.Enter(this))
-                call.Check(NativeMethods.crumple_instance_submit_impulse(call.Context, Id, &copy, &result), "crumple_instance_submit_impulse");
+                call.Check(NativeMethods.crumple_instance_submit_hit(call.Context, Id, &copy, &result), "crumple_instance_submit_hit");
             return result;
         }
 
@@ -130,26 +130,13 @@ namespace Crumple
         /// <param name="contactId">Hits with the same number, not 0, make one dent until <see cref="EndContact"/>.</param>
         public CrumpleHitResult SubmitImpulse(CrumpleVec3 point, CrumpleVec3 impulse, float duration, float mass = 0, ulong contactId = 0)
         {
-            CrumpleImpulseDef def = CrumpleImpulseDef.Default;
+            CrumpleHitDef def = CrumpleHitDef.Default;
             def.Point = point;
             def.Impulse = impulse;
             def.Duration = duration;
             def.Mass = mass;
             def.ContactId = contactId;
-            return SubmitImpulse(in def);
-        }
-
-        /// <summary>
-        /// Reports a hit that should displace its contact so far. Any thread, at any time. Allocates nothing.
-        /// </summary>
-        public unsafe CrumpleHitResult SubmitDisplacement(in CrumpleDisplacementDef def)
-        {
-            CrumpleDisplacementDef copy = def;
-            CrumpleHitResult result;
-            using (Call call = Context.Enter(this))
-                call.Check(NativeMethods.crumple_instance_submit_displacement(call.Context, Id, &copy, &result),
-                    "crumple_instance_submit_displacement");
-            return result;
+            return Submit(in def);
         }
 
         /// <summary>
@@ -158,31 +145,20 @@ namespace Crumple
         /// </summary>
         public CrumpleHitResult SubmitDisplacement(CrumpleVec3 point, CrumpleVec3 displacement)
         {
-            CrumpleDisplacementDef def = CrumpleDisplacementDef.Default;
+            CrumpleHitDef def = CrumpleHitDef.Default;
+            def.Kind = CrumpleHitKind.Displacement;
             def.Point = point;
             def.Displacement = displacement;
-            return SubmitDisplacement(in def);
+            return Submit(in def);
         }
 
         /// <summary>The result of a hit that leaves no mark. Any thread, at any time.</summary>
-        public unsafe CrumpleHitResult PreviewImpulse(in CrumpleImpulseDef def)
+        public unsafe CrumpleHitResult Preview(in CrumpleHitDef def)
         {
-            CrumpleImpulseDef copy = def;
+            CrumpleHitDef copy = def;
             CrumpleHitResult result;
             using (Call call = Context.Enter(this))
-                call.Check(NativeMethods.crumple_instance_preview_impulse(call.Context, Id, &copy, &result),
-                    "crumple_instance_preview_impulse");
-            return result;
-        }
-
-        /// <summary>The result of a hit that leaves no mark. Any thread, at any time.</summary>
-        public unsafe CrumpleHitResult PreviewDisplacement(in CrumpleDisplacementDef def)
-        {
-            CrumpleDisplacementDef copy = def;
-            CrumpleHitResult result;
-            using (Call call = Context.Enter(this))
-                call.Check(NativeMethods.crumple_instance_preview_displacement(call.Context, Id, &copy, &result),
-                    "crumple_instance_preview_displacement");
+                call.Check(NativeMethods.crumple_instance_preview_hit(call.Context, Id, &copy, &result), "crumple_instance_preview_hit");
             return result;
         }
 

@@ -12,7 +12,7 @@
 //
 // Threads. Every function may be called from any thread. Unity's render thread runs the event while the main thread may be inside
 // the same context, and two threads must not be (crumple.h, "Threads"). So the main thread puts its calls between
-// crumple_unity_lock() and crumple_unity_unlock(); crumple_instance_submit_impulse(), crumple_instance_submit_displacement() and
+// crumple_unity_lock() and crumple_unity_unlock(); crumple_instance_submit_hit(), crumple_instance_submit_hit() and
 // crumple_instance_end_contact() need no lock. The main thread waits for at most one recording of its context, without Unity's doing. The
 // render thread never waits for the main thread: where a context is locked its buffers stay wanted, and the next event records
 // them. Only the end of a device (and UnityPluginUnload) waits for the lock, so call nothing of Unity's while you hold it.

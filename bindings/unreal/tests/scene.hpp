@@ -57,12 +57,14 @@ inline TArray<uint8> make_set(const Mesh& mesh) {
     const auto input = [](const auto& all) { return CrumpleInput{all.data(), all.size() * sizeof all[0], sizeof all[0]}; };
     CrumpleExampleDef example = crumple_example_def_default();
     example.target_positions = input(dented);
+    CrumpleMeshDef arrays = crumple_mesh_def_default();
+    arrays.vertex_count = uint32_t(mesh.positions.size());
+    arrays.positions = input(mesh.positions);
+    arrays.normals = input(mesh.normals);
+    arrays.index_count = uint32_t(mesh.indices.size());
+    arrays.indices = input(mesh.indices);
     CrumpleExampleSetDef def = crumple_example_set_def_default();
-    def.mesh.vertex_count = uint32_t(mesh.positions.size());
-    def.mesh.positions = input(mesh.positions);
-    def.mesh.normals = input(mesh.normals);
-    def.mesh.index_count = uint32_t(mesh.indices.size());
-    def.mesh.indices = input(mesh.indices);
+    def.mesh = &arrays;
     def.examples = &example;
     def.example_count = 1;
     CrumpleExampleSet set;
@@ -145,11 +147,11 @@ public:
             // Mirrored: the sign of the bitangent turns.
             vertices.push_back({positions.back(), {along.X, along.Z, along.Y, -n.W}, normals.back(), -n.W});
         }
-        CrumpleLodDef lod = crumple_lod_def_default();
-        lod.mesh.vertex_count = count;
-        lod.mesh.positions = {positions.data(), positions.size() * 12, 12};
-        lod.mesh.normals = {normals.data(), normals.size() * 12, 12};
-        lod.mesh.tangents = {vertices[0].tangent, (count - 1) * sizeof(Vertex) + 16, sizeof(Vertex)};
+        CrumpleMeshDef lod = crumple_mesh_def_default();
+        lod.vertex_count = count;
+        lod.positions = {positions.data(), positions.size() * 12, 12};
+        lod.normals = {normals.data(), normals.size() * 12, 12};
+        lod.tangents = {vertices[0].tangent, (count - 1) * sizeof(Vertex) + 16, sizeof(Vertex)};
         uint32_t level = 0;
         FACT(crumple_example_set_add_lod(context, set, &lod, &level) == CRUMPLE_OK);
         CrumpleInstanceDef def = crumple_instance_def_default();
@@ -170,10 +172,10 @@ public:
 
     /// m and N s, in the set's space.
     void hit(CrumpleVec3 point, CrumpleVec3 impulse) {
-        CrumpleImpulseDef def = crumple_impulse_def_default();
+        CrumpleHitDef def = crumple_hit_def_default();
         def.point = point;
         def.impulse = impulse;
-        FACT(crumple_instance_submit_impulse(context, instance, &def, nullptr) == CRUMPLE_OK);
+        FACT(crumple_instance_submit_hit(context, instance, &def, nullptr) == CRUMPLE_OK);
     }
 
     /// The marks of a component.

@@ -200,7 +200,7 @@ static void damage(UStaticMesh* mesh, UCrumpleSet* set) {
     bytes.SetNum(bytes.Num() - 1);
     FACT(!two.crumple->LoadDamage(bytes) && two.crumple->LastError.Contains(TEXT("CRUMPLE_ERROR_DAMAGE_MISMATCH")));
     FACT(!two.crumple->SubmitImpulse({0, 0, 5000}, {0, 0, -200}) && two.crumple->LastError.Contains(TEXT("CRUMPLE_ERROR_CONTACT_TOO_FAR")));
-    FACT(said(StandinTakeLog(), TEXT("Panel: crumple_instance_submit_impulse")));
+    FACT(said(StandinTakeLog(), TEXT("Panel: crumple_instance_submit_hit")));
     FACT(StandinWorld::Draw(*two.crumple).Bytes == dented);
     one.actor->Destroy();
     FACT(StandinWorld::Draw(*two.crumple).Bytes == dented);

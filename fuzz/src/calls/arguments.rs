@@ -131,11 +131,11 @@ impl Host<'_> {
         Ok(())
     }
 
-    pub(super) fn mesh_def(&mut self, mesh: &crumple::MeshData, def: CrumpleMeshDef) -> Step<CrumpleMeshDef> {
+    pub(super) fn mesh_def(&mut self, mesh: &crumple::MeshData) -> Step<CrumpleMeshDef> {
         let def = CrumpleMeshDef {
             vertex_count: mesh.positions.len() as u32,
             index_count: 3 * mesh.triangles.len() as u32,
-            ..def
+            ..crumple_mesh_def_default()
         };
         self.patched(def)
     }
@@ -165,17 +165,11 @@ impl Host<'_> {
         Ok(def)
     }
 
-    pub(super) fn impulse(&mut self) -> Step<CrumpleImpulseDef> {
-        let mut def = crumple_impulse_def_default();
+    pub(super) fn hit(&mut self) -> Step<CrumpleHitDef> {
+        let mut def = crumple_hit_def_default();
+        def.kind = enumerator(u32::from(self.bytes.arbitrary()?));
         (def.point, def.duration, def.mass) = (self.point()?, 0.01, 1.0);
         def.impulse = [0.0, 0.0, -f32::from(self.bytes.arbitrary::<u8>()?) / 40.0].into();
-        def.contact_id = u64::from(self.bytes.arbitrary::<u8>()? / 64);
-        self.patched(def)
-    }
-
-    pub(super) fn displacement(&mut self) -> Step<CrumpleDisplacementDef> {
-        let mut def = crumple_displacement_def_default();
-        def.point = self.point()?;
         def.displacement = [0.0, 0.0, -f32::from(self.bytes.arbitrary::<u8>()?) / 2000.0].into();
         def.contact_id = u64::from(self.bytes.arbitrary::<u8>()? / 64);
         self.patched(def)
@@ -185,7 +179,8 @@ impl Host<'_> {
         let mut def = crumple_contact_point_def_default();
         (def.pair, def.point, def.normal) = (self.bytes.int_in_range(0..=3)?, self.point()?, [0.0, 0.0, 1.0].into());
         def.bodies = [body, if self.bytes.arbitrary()? { self.instance()? } else { CrumpleInstance::default() }];
-        (def.has_velocity, def.has_velocity_after) = (boolean(self.bytes.arbitrary()?), boolean(self.bytes.arbitrary()?));
+        (def.has_velocity, def.has_velocity_after) =
+            (boolean(self.bytes.arbitrary()?), boolean(self.bytes.arbitrary()?));
         def.velocity = [0.0, 0.0, -f32::from(self.bytes.arbitrary::<u8>()?) / 8.0].into();
         def.impulse = f32::from(self.bytes.arbitrary::<u8>()?) / 8.0 - 1.0;
         def.masses = [self.number()?, 2.0];

@@ -58,30 +58,28 @@ impl Host<'_> {
             }
             14 => crumple_instance_measure_part(context, id, self.word()?, &mut 0.0, null_mut(), &mut 0.0),
             15..=18 => {
-                let def = self.impulse()?;
-                crumple_instance_submit_impulse(context, id, &def, null_mut())
+                let def = self.hit()?;
+                crumple_instance_submit_hit(context, id, &def, null_mut())
             }
             19..=22 => {
-                let def = self.displacement()?;
-                crumple_instance_submit_displacement(context, id, &def, MaybeUninit::uninit().as_mut_ptr())
+                let def = self.hit()?;
+                crumple_instance_submit_hit(context, id, &def, MaybeUninit::uninit().as_mut_ptr())
             }
             23 => {
-                let (ids, def) = (self.some(Self::instance)?, self.impulse()?);
+                let (ids, def) = (self.some(Self::instance)?, self.hit()?);
                 let defs = vec![def; ids.len()];
-                crumple_context_submit_impulses(context, ids.as_ptr(), defs.as_ptr(), ids.len() as u32, null_mut())
+                crumple_context_submit_hits(context, ids.as_ptr(), defs.as_ptr(), ids.len() as u32, null_mut())
             }
             24 => {
-                let (ids, def) = (self.some(Self::instance)?, self.displacement()?);
-                let defs = vec![def; ids.len()];
-                crumple_context_submit_displacements(context, ids.as_ptr(), defs.as_ptr(), ids.len() as u32, null_mut())
+                let (mut user_data, valid) = (0, crumple_instance_is_valid(context, id));
+                let result = crumple_instance_set_user_data(context, id, 7);
+                assert!(crumple_instance_get_user_data(context, id, &mut user_data) == result || !self.alone);
+                assert!(valid == (result == CrumpleResult::CrumpleOk) || !self.alone);
+                result
             }
             25 => {
-                let (impulse, displacement, told) = (self.impulse()?, self.displacement()?, &mut MaybeUninit::uninit());
-                if self.bytes.arbitrary()? {
-                    crumple_instance_preview_impulse(context, id, &impulse, told.as_mut_ptr())
-                } else {
-                    crumple_instance_preview_displacement(context, id, &displacement, told.as_mut_ptr())
-                }
+                let (def, told) = (self.hit()?, &mut MaybeUninit::uninit());
+                crumple_instance_preview_hit(context, id, &def, told.as_mut_ptr())
             }
             26..=27 => crumple_instance_end_contact(context, id, u64::from(self.word()?)),
             28 => {
@@ -135,7 +133,13 @@ impl Host<'_> {
                 result
             }
             43 => crumple_buffer_unregister(context, self.buffer()?),
-            44 => crumple_buffer_invalidate(context, self.buffer()?),
+            44 => {
+                let buffer = self.buffer()?;
+                if crumple_buffer_is_valid(context, buffer) {
+                    crumple_buffer_get_info(context, buffer, MaybeUninit::uninit().as_mut_ptr());
+                }
+                crumple_buffer_invalidate(context, buffer)
+            }
             45 => {
                 let (buffer, def) = (self.buffer()?, self.buffer_def()?);
                 crumple_buffer_set_memory(context, buffer, &def)
@@ -147,8 +151,8 @@ impl Host<'_> {
                 crumple_context_deform(context, list, ids.len() as u32, MaybeUninit::uninit().as_mut_ptr())
             }
             49 => {
-                let (mut ids, mut count) = ([CrumpleBuffer::default(); 4], 0);
-                crumple_context_get_changed_buffers(context, ids.as_mut_ptr(), self.word()?.min(4), &mut count)
+                let (mut infos, mut count) = ([MaybeUninit::<CrumpleBufferInfo>::uninit(); 4], 0);
+                crumple_context_get_changed_buffers(context, infos.as_mut_ptr().cast(), self.word()?.min(4), &mut count)
             }
             50 => {
                 let (buffer, mut ranges, mut count) = (self.buffer()?, [CrumpleRange::default(); 4], 0);

@@ -190,8 +190,8 @@ impl<'a> Host<'a> {
 
     /// Calls that any thread may make, from another thread while this one goes on.
     fn meanwhile(&mut self) -> Step<()> {
-        let (context, instance, hit) = (self.context()?.addr(), self.instance()?, self.displacement()?);
-        let (impulse, mut matrix) = (self.impulse()?, crumple_instance_def_default().local_to_world);
+        let (context, instance, hit) = (self.context()?.addr(), self.instance()?, self.hit()?);
+        let (blow, mut matrix) = (self.hit()?, crumple_instance_def_default().local_to_world);
         matrix[12] = self.number()?;
         self.alone = false;
         let submit = move || {
@@ -200,9 +200,9 @@ impl<'a> Host<'a> {
                 let context = context as *mut CrumpleContext;
                 // SAFETY: everything lives across the calls.
                 unsafe {
-                    answered(crumple_instance_submit_displacement(context, instance, &hit, told.as_mut_ptr()));
-                    answered(crumple_instance_submit_impulse(context, instance, &impulse, told.as_mut_ptr()));
-                    answered(crumple_instance_preview_impulse(context, instance, &impulse, told.as_mut_ptr()));
+                    answered(crumple_instance_submit_hit(context, instance, &hit, told.as_mut_ptr()));
+                    answered(crumple_instance_submit_hit(context, instance, &blow, told.as_mut_ptr()));
+                    answered(crumple_instance_preview_hit(context, instance, &blow, told.as_mut_ptr()));
                     answered(crumple_instance_set_transform(context, instance, matrix.as_ptr()));
                     answered(crumple_instance_end_contact(context, instance, hit.contact_id));
                 }

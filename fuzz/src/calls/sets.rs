@@ -65,13 +65,14 @@ impl Host<'_> {
             examples.push(def);
         }
         let mut def = crumple_example_set_def_default();
-        def.mesh = self.mesh_def(&mesh, def.mesh)?;
+        let mut mesh_def = self.mesh_def(&mesh)?;
         (def.example_count, def.options.stamp_resolution) = (2, SMALL);
         def = self.patched(def)?;
         let masses = self.bytes.ratio(1, 4)?;
         def.options.vertex_masses =
             if masses { self.input(&values[..mesh.positions.len()])? } else { Self::no_input() };
-        self.mesh(&mut def.mesh, &mesh, &values)?;
+        self.mesh(&mut mesh_def, &mesh, &values)?;
+        def.mesh = &mesh_def;
         def.examples = examples.as_ptr();
         def.example_count = def.example_count.min(2);
         let mut set = CrumpleExampleSet::default();
@@ -85,9 +86,8 @@ impl Host<'_> {
         let (context, set) = (self.context()?, self.set()?);
         let mesh = seeds::sheet(4);
         let values = vec![0.5; 4 * mesh.positions.len()];
-        let mut def = crumple_lod_def_default();
-        def.mesh = self.mesh_def(&mesh, def.mesh)?;
-        self.mesh(&mut def.mesh, &mesh, &values)?;
+        let mut def = self.mesh_def(&mesh)?;
+        self.mesh(&mut def, &mesh, &values)?;
         let mut lod = 0;
         // SAFETY: the arrays live across the call.
         Ok(unsafe { crumple_example_set_add_lod(context, set, &def, &mut lod) })
@@ -98,7 +98,7 @@ impl Host<'_> {
         let (mesh, solid) = (seeds::sheet(2), seeds::tetrahedron());
         let (values, mut limits) = (vec![0.5; 4 * mesh.positions.len()], vec![0.0; mesh.positions.len()]);
         let defs = [&mesh, &solid].map(|mesh| {
-            let mut def = self.mesh_def(mesh, crumple_lod_def_default().mesh)?;
+            let mut def = self.mesh_def(mesh)?;
             self.mesh(&mut def, mesh, &values)?;
             Ok(def)
         });
@@ -126,6 +126,7 @@ impl Host<'_> {
         let result = match call {
             4 => {
                 let other = self.context()?;
+                crumple_example_set_is_valid(other, set);
                 crumple_example_set_share(context, set, other, &mut new)
             }
             5 => crumple_example_set_destroy(context, set),

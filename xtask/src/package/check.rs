@@ -32,6 +32,7 @@ const PRESENT: &[&str] = &[
     "include/crumple.h",
     "include/crumple_build.h",
     "include/crumple_graph.h",
+    "include/crumple_host.h",
     "include/crumple_import.h",
     "include/crumple_parts.h",
     "include/crumple_vulkan.h",

@@ -128,9 +128,9 @@ mod tests {
     #[test]
     fn forms_of_python() -> Result<()> {
         let text = module(&crate::declarations::header(concat!(
-            "#define CRUMPLE_A 3\n/// Either.\ntypedef enum {\n    CRUMPLE_SIDE_LEFT = 0,\n} CrumpleSide;\n",
+            "#define CRUMPLE_A 3\n/// Either.\ntypedef enum CrumpleSide {\n    CRUMPLE_SIDE_LEFT = 0,\n} CrumpleSide;\n",
             "typedef struct CrumpleO CrumpleO;\ntypedef void *(*CrumpleGet)(size_t size, void *user);\n",
-            "typedef struct {\n    float m[16];\n    const void *data;\n    CrumpleSide side;\n    CrumpleGet get;\n} CrumpleS;\n",
+            "typedef struct CrumpleS {\n    float m[16];\n    const void *data;\n    CrumpleSide side;\n    CrumpleGet get;\n} CrumpleS;\n",
             "CrumpleS crumple_f(CrumpleO *o, CrumpleO **out, const CrumpleS *s, const char *const *names);\nvoid crumple_g(void);\n"
         ))?)?;
         for part in [

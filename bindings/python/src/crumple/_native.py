@@ -70,6 +70,13 @@ class CrumpleSelection(IntEnum):
     CLASSIC_UNCLAMPED = 1
 
 
+class CrumpleHitKind(IntEnum):
+    """How a hit is given."""
+
+    BLOW = 0
+    DISPLACEMENT = 1
+
+
 class CrumpleSpace(IntEnum):
     """The space that a hit is given in."""
 
@@ -100,21 +107,6 @@ class CrumpleDirectionFormat(IntEnum):
 
     FLOAT = 0
     OCTAHEDRAL = 1
-
-
-CrumpleAlloc = c.CFUNCTYPE(c.c_void_p, c.c_size_t, c.c_size_t, c.c_void_p)
-
-
-CrumpleFree = c.CFUNCTYPE(None, c.c_void_p, c.c_size_t, c.c_size_t, c.c_void_p)
-
-
-class CrumpleAllocatorDef(c.Structure):
-    _fields_ = [
-        ("struct_size", c.c_uint32),
-        ("alloc", CrumpleAlloc),
-        ("free", CrumpleFree),
-        ("user", c.c_void_p),
-    ]
 
 
 CrumpleLog = c.CFUNCTYPE(None, c.c_uint32, c.c_char_p, c.c_void_p)
@@ -149,26 +141,6 @@ class CrumpleExampleSet(c.Structure):
         ("index", c.c_uint32),
         ("generation", c.c_uint16),
         ("context", c.c_uint16),
-    ]
-
-
-class CrumpleStream(c.Structure):
-    _fields_ = [
-        ("data", c.c_void_p),
-        ("size", c.c_size_t),
-        ("offset", c.c_size_t),
-        ("stride", c.c_size_t),
-    ]
-
-
-class CrumpleMeshCopyDef(c.Structure):
-    _fields_ = [
-        ("struct_size", c.c_uint32),
-        ("lod", c.c_uint32),
-        ("positions", CrumpleStream),
-        ("normals", CrumpleStream),
-        ("tangents", CrumpleStream),
-        ("indices", CrumpleStream),
     ]
 
 
@@ -209,11 +181,32 @@ class CrumpleExampleSetInfo(c.Structure):
     ]
 
 
+class CrumpleStream(c.Structure):
+    _fields_ = [
+        ("data", c.c_void_p),
+        ("size", c.c_size_t),
+        ("offset", c.c_size_t),
+        ("stride", c.c_size_t),
+    ]
+
+
+class CrumpleMeshCopyDef(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("lod", c.c_uint32),
+        ("positions", CrumpleStream),
+        ("normals", CrumpleStream),
+        ("tangents", CrumpleStream),
+        ("indices", CrumpleStream),
+    ]
+
+
 class CrumpleInstanceDef(c.Structure):
     _fields_ = [
         ("struct_size", c.c_uint32),
         ("examples_per_hit", c.c_uint32),
         ("set", CrumpleExampleSet),
+        ("user_data", c.c_uint64),
         ("rule", c.c_uint32),
         ("selection", c.c_uint32),
         ("mark_capacity", c.c_uint32),
@@ -259,26 +252,18 @@ class CrumpleStriker(c.Structure):
     ]
 
 
-class CrumpleImpulseDef(c.Structure):
+class CrumpleHitDef(c.Structure):
     _fields_ = [
         ("struct_size", c.c_uint32),
+        ("kind", c.c_uint32),
         ("space", c.c_uint32),
         ("point", CrumpleVec3),
+        ("displacement", CrumpleVec3),
         ("impulse", CrumpleVec3),
         ("duration", c.c_float),
         ("mass", c.c_float),
         ("normal", CrumpleVec3),
         ("striker", CrumpleStriker),
-        ("contact_id", c.c_uint64),
-    ]
-
-
-class CrumpleDisplacementDef(c.Structure):
-    _fields_ = [
-        ("struct_size", c.c_uint32),
-        ("space", c.c_uint32),
-        ("point", CrumpleVec3),
-        ("displacement", CrumpleVec3),
         ("contact_id", c.c_uint64),
     ]
 
@@ -392,6 +377,7 @@ class CrumpleHostBufferDef(c.Structure):
     _fields_ = [
         ("struct_size", c.c_uint32),
         ("lod", c.c_uint32),
+        ("user_data", c.c_uint64),
         ("positions", CrumpleStream),
         ("normals", CrumpleStream),
         ("tangents", CrumpleStream),
@@ -405,6 +391,17 @@ class CrumpleBuffer(c.Structure):
         ("index", c.c_uint32),
         ("generation", c.c_uint16),
         ("context", c.c_uint16),
+    ]
+
+
+class CrumpleBufferInfo(c.Structure):
+    _fields_ = [
+        ("buffer", CrumpleBuffer),
+        ("instance", CrumpleInstance),
+        ("user_data", c.c_uint64),
+        ("instance_user_data", c.c_uint64),
+        ("lod", c.c_uint32),
+        ("reserved", c.c_uint32 * 3),
     ]
 
 
@@ -488,13 +485,14 @@ class CrumpleExampleDef(c.Structure):
 
 class CrumpleMeshDef(c.Structure):
     _fields_ = [
+        ("struct_size", c.c_uint32),
         ("vertex_count", c.c_uint32),
         ("index_count", c.c_uint32),
+        ("index_type", c.c_uint32),
         ("positions", CrumpleInput),
         ("normals", CrumpleInput),
         ("tangents", CrumpleInput),
         ("indices", CrumpleInput),
-        ("index_type", c.c_uint32),
         ("depth_limits", CrumpleInput),
         ("stiffness", CrumpleInput),
     ]
@@ -519,16 +517,9 @@ class CrumpleExampleSetDef(c.Structure):
     _fields_ = [
         ("struct_size", c.c_uint32),
         ("example_count", c.c_uint32),
-        ("mesh", CrumpleMeshDef),
+        ("mesh", c.POINTER(CrumpleMeshDef)),
         ("examples", c.POINTER(CrumpleExampleDef)),
         ("options", CrumpleExampleSetOptions),
-    ]
-
-
-class CrumpleLodDef(c.Structure):
-    _fields_ = [
-        ("struct_size", c.c_uint32),
-        ("mesh", CrumpleMeshDef),
     ]
 
 
@@ -566,6 +557,7 @@ class CrumpleDamageMapping(c.Structure):
         ("distance", c.c_float),
         ("missing_examples", c.c_uint32),
         ("first_missing_example", c.c_uint32),
+        ("reserved", c.c_uint32 * 3),
     ]
 
 
@@ -575,7 +567,6 @@ class CrumpleGltfDef(c.Structure):
         ("mesh_index", c.c_uint32),
         ("mesh_name", c.c_char_p),
         ("path", c.c_char_p),
-        ("options", CrumpleExampleSetOptions),
         ("join_nodes", c.c_bool),
         ("unit", c.c_float),
         ("nodes", c.c_char_p),
@@ -583,6 +574,7 @@ class CrumpleGltfDef(c.Structure):
         ("rigid", c.c_char_p),
         ("glass", c.c_char_p),
         ("moving", c.c_char_p),
+        ("options", CrumpleExampleSetOptions),
     ]
 
 
@@ -633,6 +625,21 @@ class CrumpleFrame(c.Structure):
     ]
 
 
+CrumpleAlloc = c.CFUNCTYPE(c.c_void_p, c.c_size_t, c.c_size_t, c.c_void_p)
+
+
+CrumpleFree = c.CFUNCTYPE(None, c.c_void_p, c.c_size_t, c.c_size_t, c.c_void_p)
+
+
+class CrumpleAllocatorDef(c.Structure):
+    _fields_ = [
+        ("struct_size", c.c_uint32),
+        ("alloc", CrumpleAlloc),
+        ("free", CrumpleFree),
+        ("user", c.c_void_p),
+    ]
+
+
 class CrumpleHandleType(IntEnum):
     """The type of a handle to shared memory or to a semaphore."""
 
@@ -670,6 +677,7 @@ class CrumpleVulkanBufferDef(c.Structure):
     _fields_ = [
         ("struct_size", c.c_uint32),
         ("lod", c.c_uint32),
+        ("user_data", c.c_uint64),
         ("buffer", c.c_uint64),
         ("buffer_size", c.c_uint64),
         ("usage", c.c_uint32),
@@ -768,22 +776,22 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "crumple_features": (c.c_uint64, []),
     "crumple_last_error": (c.c_char_p, []),
     "crumple_result_name": (c.c_char_p, [c.c_uint32]),
-    "crumple_allocator_def_default": (CrumpleAllocatorDef, []),
-    "crumple_allocator_set": (c.c_uint32, [c.POINTER(CrumpleAllocatorDef)]),
     "crumple_context_def_default": (CrumpleContextDef, []),
     "crumple_context_create": (c.c_uint32, [c.POINTER(CrumpleContextDef), c.POINTER(c.c_void_p)]),
     "crumple_context_destroy": (c.c_uint32, [c.c_void_p]),
     "crumple_example_set_load_baked_memory": (c.c_uint32, [c.c_void_p, c.c_void_p, c.c_size_t, c.c_uint32, c.POINTER(CrumpleExampleSet)]),
     "crumple_example_set_load_baked": (c.c_uint32, [c.c_void_p, c.c_char_p, c.POINTER(CrumpleExampleSet)]),
-    "crumple_example_set_share": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.c_void_p, c.POINTER(CrumpleExampleSet)]),
+    "crumple_example_set_is_valid": (c.c_bool, [c.c_void_p, CrumpleExampleSet]),
     "crumple_example_set_destroy": (c.c_uint32, [c.c_void_p, CrumpleExampleSet]),
-    "crumple_mesh_copy_def_default": (CrumpleMeshCopyDef, []),
     "crumple_example_set_get_info": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.POINTER(CrumpleExampleSetInfo)]),
+    "crumple_mesh_copy_def_default": (CrumpleMeshCopyDef, []),
     "crumple_example_set_copy_mesh": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.POINTER(CrumpleMeshCopyDef)]),
-    "crumple_example_set_find_nearest_vertex": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, CrumpleVec3, c.POINTER(c.c_uint32), c.POINTER(c.c_float)]),
     "crumple_instance_def_default": (CrumpleInstanceDef, []),
     "crumple_instance_create": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleInstanceDef), c.POINTER(CrumpleInstance)]),
     "crumple_instance_destroy": (c.c_uint32, [c.c_void_p, CrumpleInstance]),
+    "crumple_instance_is_valid": (c.c_bool, [c.c_void_p, CrumpleInstance]),
+    "crumple_instance_set_user_data": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint64]),
+    "crumple_instance_get_user_data": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(c.c_uint64)]),
     "crumple_instance_get_info": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleInstanceInfo)]),
     "crumple_instance_set_transform": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(c.c_float)]),
     "crumple_instance_set_depth_limit": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_float]),
@@ -791,19 +799,15 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "crumple_instance_set_tolerance": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_float]),
     "crumple_instance_set_view": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_float, c.c_float, c.c_float, c.c_float, c.POINTER(c.c_uint32)]),
     "crumple_pixel_tolerance": (c.c_float, [c.c_float, c.c_float, c.c_float, c.c_float]),
-    "crumple_impulse_def_default": (CrumpleImpulseDef, []),
-    "crumple_displacement_def_default": (CrumpleDisplacementDef, []),
-    "crumple_instance_submit_impulse": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleImpulseDef), c.POINTER(CrumpleHitResult)]),
-    "crumple_instance_submit_displacement": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleDisplacementDef), c.POINTER(CrumpleHitResult)]),
-    "crumple_context_submit_impulses": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleInstance), c.POINTER(CrumpleImpulseDef), c.c_uint32, c.POINTER(CrumpleHitResult)]),
-    "crumple_context_submit_displacements": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleInstance), c.POINTER(CrumpleDisplacementDef), c.c_uint32, c.POINTER(CrumpleHitResult)]),
-    "crumple_instance_preview_impulse": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleImpulseDef), c.POINTER(CrumpleHitResult)]),
-    "crumple_instance_preview_displacement": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleDisplacementDef), c.POINTER(CrumpleHitResult)]),
+    "crumple_hit_def_default": (CrumpleHitDef, []),
+    "crumple_instance_submit_hit": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleHitDef), c.POINTER(CrumpleHitResult)]),
+    "crumple_context_submit_hits": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleInstance), c.POINTER(CrumpleHitDef), c.c_uint32, c.POINTER(CrumpleHitResult)]),
+    "crumple_instance_preview_hit": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleHitDef), c.POINTER(CrumpleHitResult)]),
     "crumple_instance_end_contact": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint64]),
     "crumple_instance_get_contact": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint64, c.POINTER(CrumpleHitResult)]),
     "crumple_contact_options_def_default": (CrumpleContactOptionsDef, []),
-    "crumple_contact_point_def_default": (CrumpleContactPointDef, []),
     "crumple_context_set_contact_options": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleContactOptionsDef)]),
+    "crumple_contact_point_def_default": (CrumpleContactPointDef, []),
     "crumple_context_report_contacts": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleContactPointDef), c.c_uint32]),
     "crumple_context_step_contacts": (c.c_uint32, [c.c_void_p, c.c_float, c.POINTER(CrumpleContactReport)]),
     "crumple_context_get_contact_hits": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleContactHit), c.c_uint32, c.POINTER(c.c_uint32)]),
@@ -822,26 +826,27 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "crumple_host_buffer_def_default": (CrumpleHostBufferDef, []),
     "crumple_buffer_register_host": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleHostBufferDef), c.POINTER(CrumpleBuffer)]),
     "crumple_buffer_unregister": (c.c_uint32, [c.c_void_p, CrumpleBuffer]),
+    "crumple_buffer_is_valid": (c.c_bool, [c.c_void_p, CrumpleBuffer]),
+    "crumple_buffer_get_info": (c.c_uint32, [c.c_void_p, CrumpleBuffer, c.POINTER(CrumpleBufferInfo)]),
     "crumple_buffer_invalidate": (c.c_uint32, [c.c_void_p, CrumpleBuffer]),
     "crumple_buffer_set_memory": (c.c_uint32, [c.c_void_p, CrumpleBuffer, c.POINTER(CrumpleHostBufferDef)]),
     "crumple_context_set_vertex_budget": (c.c_uint32, [c.c_void_p, c.c_uint64]),
     "crumple_context_deform": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleBuffer), c.c_uint32, c.POINTER(CrumpleDeformReport)]),
-    "crumple_context_get_changed_buffers": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleBuffer), c.c_uint32, c.POINTER(c.c_uint32)]),
+    "crumple_context_get_changed_buffers": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleBufferInfo), c.c_uint32, c.POINTER(c.c_uint32)]),
     "crumple_buffer_get_changes": (c.c_uint32, [c.c_void_p, CrumpleBuffer, c.POINTER(CrumpleRange), c.c_uint32, c.POINTER(c.c_uint32), c.POINTER(CrumpleAabb)]),
-    "crumple_buffer_get_changed_triangles": (c.c_uint32, [c.c_void_p, CrumpleBuffer, c.POINTER(CrumpleRange), c.c_uint32, c.POINTER(c.c_uint32), c.POINTER(CrumpleAabb)]),
     "crumple_example_def_default": (CrumpleExampleDef, []),
     "crumple_example_set_def_default": (CrumpleExampleSetDef, []),
     "crumple_example_set_create": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleExampleSetDef), c.POINTER(CrumpleExampleSet)]),
-    "crumple_lod_def_default": (CrumpleLodDef, []),
-    "crumple_example_set_add_lod": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.POINTER(CrumpleLodDef), c.POINTER(c.c_uint32)]),
+    "crumple_mesh_def_default": (CrumpleMeshDef, []),
+    "crumple_example_set_add_lod": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.POINTER(CrumpleMeshDef), c.POINTER(c.c_uint32)]),
     "crumple_example_set_save_baked": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.c_void_p, c.c_size_t, c.POINTER(c.c_size_t)]),
     "crumple_mesh_keep_out": (c.c_uint32, [c.POINTER(CrumpleMeshDef), c.POINTER(CrumpleCapsule), c.c_uint32, c.POINTER(CrumpleMeshDef), c.c_uint32, c.POINTER(c.c_float)]),
     "crumple_example_set_get_example": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.c_uint32, c.POINTER(CrumpleExampleInfo)]),
     "crumple_example_set_map_damage": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, CrumpleExampleSet, c.c_void_p, c.c_size_t, c.c_float, c.c_void_p, c.c_size_t, c.POINTER(c.c_size_t), c.POINTER(CrumpleDamageMapping)]),
     "crumple_gltf_def_default": (CrumpleGltfDef, []),
-    "crumple_obj_def_default": (CrumpleObjDef, []),
     "crumple_example_set_load_gltf": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleGltfDef), c.POINTER(CrumpleExampleSet)]),
     "crumple_example_set_load_gltf_memory": (c.c_uint32, [c.c_void_p, c.c_void_p, c.c_size_t, c.POINTER(CrumpleGltfDef), c.POINTER(CrumpleExampleSet)]),
+    "crumple_obj_def_default": (CrumpleObjDef, []),
     "crumple_example_set_load_obj": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleObjDef), c.POINTER(CrumpleExampleSet)]),
     "crumple_example_set_get_primitive": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.c_uint32, c.POINTER(CrumplePrimitive)]),
     "crumple_example_set_find_part": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.c_char_p, c.POINTER(c.c_uint32)]),
@@ -851,18 +856,23 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "crumple_instance_measure_part": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint32, c.POINTER(c.c_float), c.POINTER(c.c_float), c.POINTER(c.c_float)]),
     "crumple_example_set_attach_point": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, CrumpleVec3, c.POINTER(CrumpleAttachment)]),
     "crumple_instance_get_attached_frame": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleAttachment), c.POINTER(CrumpleFrame)]),
+    "crumple_example_set_find_nearest_vertex": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, CrumpleVec3, c.POINTER(c.c_uint32), c.POINTER(c.c_float)]),
+    "crumple_buffer_get_changed_triangles": (c.c_uint32, [c.c_void_p, CrumpleBuffer, c.POINTER(CrumpleRange), c.c_uint32, c.POINTER(c.c_uint32), c.POINTER(CrumpleAabb)]),
+    "crumple_allocator_def_default": (CrumpleAllocatorDef, []),
+    "crumple_allocator_set": (c.c_uint32, [c.POINTER(CrumpleAllocatorDef)]),
+    "crumple_example_set_share": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.c_void_p, c.POINTER(CrumpleExampleSet)]),
     "crumple_vulkan_attach_def_default": (CrumpleVulkanAttachDef, []),
-    "crumple_vulkan_buffer_def_default": (CrumpleVulkanBufferDef, []),
     "crumple_vulkan_attach": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleVulkanAttachDef)]),
     "crumple_vulkan_detach": (c.c_uint32, [c.c_void_p]),
     "crumple_vulkan_get_pipeline_cache": (c.c_uint32, [c.c_void_p, c.c_void_p, c.c_size_t, c.POINTER(c.c_size_t)]),
+    "crumple_vulkan_buffer_def_default": (CrumpleVulkanBufferDef, []),
     "crumple_buffer_register_vulkan": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleVulkanBufferDef), c.POINTER(CrumpleBuffer)]),
     "crumple_vulkan_record": (c.c_uint32, [c.c_void_p, c.c_void_p, c.c_uint64, c.POINTER(CrumpleBuffer), c.c_uint32, c.POINTER(CrumpleRecordReport)]),
     "crumple_vulkan_complete_frames": (c.c_uint32, [c.c_void_p, c.c_uint64]),
     "crumple_vulkan_discard_frames": (c.c_uint32, [c.c_void_p, c.c_uint64]),
     "crumple_vulkan_open_def_default": (CrumpleVulkanOpenDef, []),
-    "crumple_vulkan_import_def_default": (CrumpleVulkanImportDef, []),
     "crumple_vulkan_open": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleVulkanOpenDef)]),
+    "crumple_vulkan_import_def_default": (CrumpleVulkanImportDef, []),
     "crumple_vulkan_import_buffer": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleVulkanImportDef), c.POINTER(c.c_uint64)]),
     "crumple_vulkan_unimport_buffer": (c.c_uint32, [c.c_void_p, c.c_uint64]),
     "crumple_vulkan_import_semaphore": (c.c_uint32, [c.c_void_p, c.c_uint32, c.c_int64, c.POINTER(c.c_uint64)]),

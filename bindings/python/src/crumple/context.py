@@ -89,8 +89,9 @@ class Context:
         `depth_limits` in m (see keep_out()) and `stiffness` from 0 to 1 are numbers for each vertex.
         """
         definition = library.crumple_example_set_def_default()
-        alive = fill_mesh(definition.mesh, positions, triangles, normals, tangents, depth_limits, stiffness)
-        count = definition.mesh.vertex_count
+        mesh = library.crumple_mesh_def_default()
+        alive = fill_mesh(mesh, positions, triangles, normals, tangents, depth_limits, stiffness)
+        definition.mesh, count = ctypes.pointer(mesh), mesh.vertex_count
         examples = list(examples)
         array = (native.CrumpleExampleDef * len(examples))()
         for one, example in zip(array, examples, strict=True):
@@ -238,12 +239,12 @@ def keep_out(
     A capsule is two points and a radius in m, a mesh the positions and triangles of a closed surface. Limits of your own
     are only made less.
     """
-    mesh = library.crumple_lod_def_default().mesh
+    mesh = library.crumple_mesh_def_default()
     alive = fill_mesh(mesh, positions, None, None, None, depth_limits)
     bars = [native.CrumpleCapsule(vector(a, "a"), vector(b, "b"), radius) for a, b, radius in capsules]
     solids = []
     for points, triangles in meshes:
-        solids.append(library.crumple_lod_def_default().mesh)
+        solids.append(library.crumple_mesh_def_default())
         alive += fill_mesh(solids[-1], points, triangles, None, None)
     limits = np.empty(mesh.vertex_count, np.float32)
     given_bars, given_solids = (native.CrumpleCapsule * len(bars))(*bars), (native.CrumpleMeshDef * len(solids))(*solids)

@@ -85,10 +85,10 @@ class ExampleSet:
         """Adds a mesh that shows the same damage and returns its number. Call it before the first instance is made."""
         from .context import fill_mesh
 
-        definition = library.crumple_lod_def_default()
-        alive = fill_mesh(definition.mesh, positions, triangles, normals, tangents)
+        mesh = library.crumple_mesh_def_default()
+        alive = fill_mesh(mesh, positions, triangles, normals, tangents)
         lod = ctypes.c_uint32()
-        check(library.crumple_example_set_add_lod(self._context.handle, self.id, ctypes.byref(definition), ctypes.byref(lod)))
+        check(library.crumple_example_set_add_lod(self._context.handle, self.id, ctypes.byref(mesh), ctypes.byref(lod)))
         del alive
         return lod.value
 

@@ -65,17 +65,17 @@ class Instance:
     ) -> HitResult:
         """Submits a blow: where, its impulse on the body (N s), how long it acted (s), and the striker, as far as known.
 
-        `preview` leaves no mark. Any thread. CrumpleImpulseDef in crumple.h says more about each.
+        `preview` leaves no mark. Any thread. CrumpleHitDef in crumple.h says more about each.
         """
         from .context import fill_striker
 
-        definition = library.crumple_impulse_def_default()
+        definition = library.crumple_hit_def_default()
         definition.point, definition.impulse = vector(point, "point"), vector(impulse, "impulse")
         definition.normal, definition.duration, definition.mass = vector(normal, "normal"), duration, mass
         definition.space, definition.contact_id = int(space), contact_id
         if striker is not None:
             fill_striker(definition.striker, striker)
-        return self._submit("impulse", definition, preview)
+        return self._submit(definition, preview)
 
     def hit_displacement(
         self,
@@ -87,13 +87,14 @@ class Instance:
         preview: bool = False,
     ) -> HitResult:
         """Submits a hit given as the desired displacement of the contact, m."""
-        definition = library.crumple_displacement_def_default()
+        definition = library.crumple_hit_def_default()
+        definition.kind = native.CrumpleHitKind.DISPLACEMENT
         definition.point, definition.displacement = vector(point, "point"), vector(displacement, "displacement")
         definition.space, definition.contact_id = int(space), contact_id
-        return self._submit("displacement", definition, preview)
+        return self._submit(definition, preview)
 
-    def _submit(self, kind: str, definition: Any, preview: bool) -> HitResult:
-        call = getattr(library, f"crumple_instance_{'preview' if preview else 'submit'}_{kind}")
+    def _submit(self, definition: Any, preview: bool) -> HitResult:
+        call = library.crumple_instance_preview_hit if preview else library.crumple_instance_submit_hit
         raw = native.CrumpleHitResult()
         check(call(self._context.handle, self.id, ctypes.byref(definition), ctypes.byref(raw)))
         return _hit_result(raw)

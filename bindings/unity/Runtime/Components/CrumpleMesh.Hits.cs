@@ -34,13 +34,13 @@ namespace Crumple
             try
             {
                 PlaceInWorld();
-                CrumpleImpulseDef def = CrumpleImpulseDef.Default;
+                CrumpleHitDef def = CrumpleHitDef.Default;
                 def.Space = CrumpleSpace.World;
                 def.Point = MeshMatch.ToCrumple(worldPoint);
                 def.Impulse = MeshMatch.ToCrumple(worldImpulse);
                 def.Normal = MeshMatch.ToCrumple(worldNormal);
                 def.Striker = new CrumpleStriker(strikerMass, strikerRadius, MeshMatch.ToCrumple(worldStrikerVelocity));
-                result = instance.SubmitImpulse(in def);
+                result = instance.Submit(in def);
             }
             catch (CrumpleException error)
             {

@@ -39,12 +39,6 @@ namespace Crumple.Native
         public static extern IntPtr crumple_result_name(CrumpleResult result);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleAllocatorDef crumple_allocator_def_default();
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_allocator_set(CrumpleAllocatorDef* allocator);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleContextDef crumple_context_def_default();
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
@@ -68,17 +62,10 @@ namespace Crumple.Native
             CrumpleExampleSet* outSet);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_example_set_share(
-            IntPtr context,
-            CrumpleExampleSet set,
-            IntPtr other,
-            CrumpleExampleSet* outSet);
+        public static extern CrumpleBool crumple_example_set_is_valid(IntPtr context, CrumpleExampleSet set);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_example_set_destroy(IntPtr context, CrumpleExampleSet set);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleMeshCopyDef crumple_mesh_copy_def_default();
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_example_set_get_info(
@@ -87,18 +74,13 @@ namespace Crumple.Native
             CrumpleExampleSetInfo* outInfo);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleMeshCopyDef crumple_mesh_copy_def_default();
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_example_set_copy_mesh(
             IntPtr context,
             CrumpleExampleSet set,
             CrumpleMeshCopyDef* def);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_example_set_find_nearest_vertex(
-            IntPtr context,
-            CrumpleExampleSet set,
-            CrumpleVec3 point,
-            uint* outVertex,
-            float* outDistance);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleInstanceDef crumple_instance_def_default();
@@ -111,6 +93,21 @@ namespace Crumple.Native
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_instance_destroy(IntPtr context, CrumpleInstance instance);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleBool crumple_instance_is_valid(IntPtr context, CrumpleInstance instance);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_instance_set_user_data(
+            IntPtr context,
+            CrumpleInstance instance,
+            ulong userData);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_instance_get_user_data(
+            IntPtr context,
+            CrumpleInstance instance,
+            ulong* outData);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_instance_get_info(
@@ -153,53 +150,28 @@ namespace Crumple.Native
         public static extern float crumple_pixel_tolerance(float pixels, float distance, float fovY, float viewportHeight);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleImpulseDef crumple_impulse_def_default();
+        public static extern CrumpleHitDef crumple_hit_def_default();
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleDisplacementDef crumple_displacement_def_default();
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_instance_submit_impulse(
+        public static extern CrumpleResult crumple_instance_submit_hit(
             IntPtr context,
             CrumpleInstance instance,
-            CrumpleImpulseDef* def,
+            CrumpleHitDef* def,
             CrumpleHitResult* outResult);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_instance_submit_displacement(
-            IntPtr context,
-            CrumpleInstance instance,
-            CrumpleDisplacementDef* def,
-            CrumpleHitResult* outResult);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_context_submit_impulses(
+        public static extern CrumpleResult crumple_context_submit_hits(
             IntPtr context,
             CrumpleInstance* instances,
-            CrumpleImpulseDef* defs,
+            CrumpleHitDef* defs,
             uint count,
             CrumpleHitResult* outResults);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_context_submit_displacements(
-            IntPtr context,
-            CrumpleInstance* instances,
-            CrumpleDisplacementDef* defs,
-            uint count,
-            CrumpleHitResult* outResults);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_instance_preview_impulse(
+        public static extern CrumpleResult crumple_instance_preview_hit(
             IntPtr context,
             CrumpleInstance instance,
-            CrumpleImpulseDef* def,
-            CrumpleHitResult* outResult);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_instance_preview_displacement(
-            IntPtr context,
-            CrumpleInstance instance,
-            CrumpleDisplacementDef* def,
+            CrumpleHitDef* def,
             CrumpleHitResult* outResult);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
@@ -219,12 +191,12 @@ namespace Crumple.Native
         public static extern CrumpleContactOptionsDef crumple_contact_options_def_default();
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleContactPointDef crumple_contact_point_def_default();
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_context_set_contact_options(
             IntPtr context,
             CrumpleContactOptionsDef* options);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleContactPointDef crumple_contact_point_def_default();
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_context_report_contacts(
@@ -335,6 +307,15 @@ namespace Crumple.Native
         public static extern CrumpleResult crumple_buffer_unregister(IntPtr context, CrumpleBuffer buffer);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleBool crumple_buffer_is_valid(IntPtr context, CrumpleBuffer buffer);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_buffer_get_info(
+            IntPtr context,
+            CrumpleBuffer buffer,
+            CrumpleBufferInfo* outInfo);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_buffer_invalidate(IntPtr context, CrumpleBuffer buffer);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
@@ -356,21 +337,12 @@ namespace Crumple.Native
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_context_get_changed_buffers(
             IntPtr context,
-            CrumpleBuffer* buffers,
+            CrumpleBufferInfo* buffers,
             uint capacity,
             uint* outCount);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_buffer_get_changes(
-            IntPtr context,
-            CrumpleBuffer buffer,
-            CrumpleRange* ranges,
-            uint capacity,
-            uint* outCount,
-            CrumpleAabb* outBounds);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_buffer_get_changed_triangles(
             IntPtr context,
             CrumpleBuffer buffer,
             CrumpleRange* ranges,
@@ -391,13 +363,13 @@ namespace Crumple.Native
             CrumpleExampleSet* outSet);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleLodDef crumple_lod_def_default();
+        public static extern CrumpleMeshDef crumple_mesh_def_default();
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_example_set_add_lod(
             IntPtr context,
             CrumpleExampleSet set,
-            CrumpleLodDef* def,
+            CrumpleMeshDef* mesh,
             uint* outLod);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
@@ -441,9 +413,6 @@ namespace Crumple.Native
         public static extern CrumpleGltfDef crumple_gltf_def_default();
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleObjDef crumple_obj_def_default();
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_example_set_load_gltf(
             IntPtr context,
             CrumpleGltfDef* def,
@@ -456,6 +425,9 @@ namespace Crumple.Native
             UIntPtr size,
             CrumpleGltfDef* def,
             CrumpleExampleSet* outSet);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleObjDef crumple_obj_def_default();
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_example_set_load_obj(
@@ -522,10 +494,37 @@ namespace Crumple.Native
             CrumpleFrame* outFrame);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleVulkanAttachDef crumple_vulkan_attach_def_default();
+        public static extern CrumpleResult crumple_example_set_find_nearest_vertex(
+            IntPtr context,
+            CrumpleExampleSet set,
+            CrumpleVec3 point,
+            uint* outVertex,
+            float* outDistance);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleVulkanBufferDef crumple_vulkan_buffer_def_default();
+        public static extern CrumpleResult crumple_buffer_get_changed_triangles(
+            IntPtr context,
+            CrumpleBuffer buffer,
+            CrumpleRange* ranges,
+            uint capacity,
+            uint* outCount,
+            CrumpleAabb* outBounds);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleAllocatorDef crumple_allocator_def_default();
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_allocator_set(CrumpleAllocatorDef* allocator);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_example_set_share(
+            IntPtr context,
+            CrumpleExampleSet set,
+            IntPtr other,
+            CrumpleExampleSet* outSet);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleVulkanAttachDef crumple_vulkan_attach_def_default();
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_vulkan_attach(IntPtr context, CrumpleVulkanAttachDef* def);
@@ -539,6 +538,9 @@ namespace Crumple.Native
             IntPtr data,
             UIntPtr capacity,
             UIntPtr* outSize);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleVulkanBufferDef crumple_vulkan_buffer_def_default();
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_buffer_register_vulkan(
@@ -566,10 +568,10 @@ namespace Crumple.Native
         public static extern CrumpleVulkanOpenDef crumple_vulkan_open_def_default();
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleVulkanImportDef crumple_vulkan_import_def_default();
+        public static extern CrumpleResult crumple_vulkan_open(IntPtr context, CrumpleVulkanOpenDef* def);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_vulkan_open(IntPtr context, CrumpleVulkanOpenDef* def);
+        public static extern CrumpleVulkanImportDef crumple_vulkan_import_def_default();
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_vulkan_import_buffer(

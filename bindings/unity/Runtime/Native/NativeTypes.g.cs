@@ -67,6 +67,12 @@ namespace Crumple
         ClassicUnclamped = 1,
     }
 
+    public enum CrumpleHitKind
+    {
+        Blow = 0,
+        Displacement = 1,
+    }
+
     public enum CrumpleSpace
     {
         Local = 0,
@@ -93,31 +99,6 @@ namespace Crumple
     {
         Float = 0,
         Octahedral = 1,
-    }
-
-    [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
-    public delegate IntPtr CrumpleAlloc(UIntPtr size, UIntPtr align, IntPtr user);
-
-    [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
-    public delegate void CrumpleFree(IntPtr pointer, UIntPtr size, UIntPtr align, IntPtr user);
-
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleAllocatorDef
-    {
-        public uint StructSize;
-        public IntPtr Alloc;
-        public IntPtr Free;
-        public IntPtr User;
-
-        public static CrumpleAllocatorDef Default
-        {
-            get
-            {
-                CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_allocator_def_default();
-            }
-        }
     }
 
     [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
@@ -169,37 +150,6 @@ namespace Crumple
 
     /// <summary>The struct of the C headers.</summary>
     [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleStream
-    {
-        public IntPtr Data;
-        public UIntPtr Size;
-        public UIntPtr Offset;
-        public UIntPtr Stride;
-    }
-
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleMeshCopyDef
-    {
-        public uint StructSize;
-        public uint Lod;
-        public CrumpleStream Positions;
-        public CrumpleStream Normals;
-        public CrumpleStream Tangents;
-        public CrumpleStream Indices;
-
-        public static CrumpleMeshCopyDef Default
-        {
-            get
-            {
-                CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_mesh_copy_def_default();
-            }
-        }
-    }
-
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleVec3
     {
         public float X;
@@ -240,11 +190,43 @@ namespace Crumple
 
     /// <summary>The struct of the C headers.</summary>
     [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumpleStream
+    {
+        public IntPtr Data;
+        public UIntPtr Size;
+        public UIntPtr Offset;
+        public UIntPtr Stride;
+    }
+
+    /// <summary>The struct of the C headers.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumpleMeshCopyDef
+    {
+        public uint StructSize;
+        public uint Lod;
+        public CrumpleStream Positions;
+        public CrumpleStream Normals;
+        public CrumpleStream Tangents;
+        public CrumpleStream Indices;
+
+        public static CrumpleMeshCopyDef Default
+        {
+            get
+            {
+                CrumpleRuntime.EnsureLoaded();
+                return Native.NativeMethods.crumple_mesh_copy_def_default();
+            }
+        }
+    }
+
+    /// <summary>The struct of the C headers.</summary>
+    [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumpleInstanceDef
     {
         public uint StructSize;
         public uint ExamplesPerHit;
         public CrumpleExampleSet Set;
+        public ulong UserData;
         public CrumpleRule Rule;
         public CrumpleSelection Selection;
         public uint MarkCapacity;
@@ -303,11 +285,13 @@ namespace Crumple
 
     /// <summary>The struct of the C headers.</summary>
     [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleImpulseDef
+    public partial struct CrumpleHitDef
     {
         public uint StructSize;
+        public CrumpleHitKind Kind;
         public CrumpleSpace Space;
         public CrumpleVec3 Point;
+        public CrumpleVec3 Displacement;
         public CrumpleVec3 Impulse;
         public float Duration;
         public float Mass;
@@ -315,32 +299,12 @@ namespace Crumple
         public CrumpleStriker Striker;
         public ulong ContactId;
 
-        public static CrumpleImpulseDef Default
+        public static CrumpleHitDef Default
         {
             get
             {
                 CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_impulse_def_default();
-            }
-        }
-    }
-
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleDisplacementDef
-    {
-        public uint StructSize;
-        public CrumpleSpace Space;
-        public CrumpleVec3 Point;
-        public CrumpleVec3 Displacement;
-        public ulong ContactId;
-
-        public static CrumpleDisplacementDef Default
-        {
-            get
-            {
-                CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_displacement_def_default();
+                return Native.NativeMethods.crumple_hit_def_default();
             }
         }
     }
@@ -489,6 +453,7 @@ namespace Crumple
     {
         public uint StructSize;
         public uint Lod;
+        public ulong UserData;
         public CrumpleStream Positions;
         public CrumpleStream Normals;
         public CrumpleStream Tangents;
@@ -512,6 +477,18 @@ namespace Crumple
         public uint Index;
         public ushort Generation;
         public ushort Context;
+    }
+
+    /// <summary>The struct of the C headers.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public unsafe partial struct CrumpleBufferInfo
+    {
+        public CrumpleBuffer Buffer;
+        public CrumpleInstance Instance;
+        public ulong UserData;
+        public ulong InstanceUserData;
+        public uint Lod;
+        public fixed uint Reserved[3];
     }
 
     /// <summary>The struct of the C headers.</summary>
@@ -605,15 +582,25 @@ namespace Crumple
     [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleMeshDef
     {
+        public uint StructSize;
         public uint VertexCount;
         public uint IndexCount;
+        public CrumpleIndexType IndexType;
         public CrumpleInput Positions;
         public CrumpleInput Normals;
         public CrumpleInput Tangents;
         public CrumpleInput Indices;
-        public CrumpleIndexType IndexType;
         public CrumpleInput DepthLimits;
         public CrumpleInput Stiffness;
+
+        public static CrumpleMeshDef Default
+        {
+            get
+            {
+                CrumpleRuntime.EnsureLoaded();
+                return Native.NativeMethods.crumple_mesh_def_default();
+            }
+        }
     }
 
     /// <summary>The struct of the C headers.</summary>
@@ -638,7 +625,7 @@ namespace Crumple
     {
         public uint StructSize;
         public uint ExampleCount;
-        public CrumpleMeshDef Mesh;
+        public IntPtr Mesh;
         public IntPtr Examples;
         public CrumpleExampleSetOptions Options;
 
@@ -648,23 +635,6 @@ namespace Crumple
             {
                 CrumpleRuntime.EnsureLoaded();
                 return Native.NativeMethods.crumple_example_set_def_default();
-            }
-        }
-    }
-
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleLodDef
-    {
-        public uint StructSize;
-        public CrumpleMeshDef Mesh;
-
-        public static CrumpleLodDef Default
-        {
-            get
-            {
-                CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_lod_def_default();
             }
         }
     }
@@ -698,7 +668,7 @@ namespace Crumple
 
     /// <summary>The struct of the C headers.</summary>
     [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleDamageMapping
+    public unsafe partial struct CrumpleDamageMapping
     {
         public uint Kept;
         public uint Moved;
@@ -707,6 +677,7 @@ namespace Crumple
         public float Distance;
         public uint MissingExamples;
         public uint FirstMissingExample;
+        public fixed uint Reserved[3];
     }
 
     /// <summary>The struct of the C headers.</summary>
@@ -717,7 +688,6 @@ namespace Crumple
         public uint MeshIndex;
         public IntPtr MeshName;
         public IntPtr Path;
-        public CrumpleExampleSetOptions Options;
         public CrumpleBool JoinNodes;
         public float Unit;
         public IntPtr Nodes;
@@ -725,6 +695,7 @@ namespace Crumple
         public IntPtr Rigid;
         public IntPtr Glass;
         public IntPtr Moving;
+        public CrumpleExampleSetOptions Options;
 
         public static CrumpleGltfDef Default
         {
@@ -797,6 +768,31 @@ namespace Crumple
         public fixed uint Reserved[5];
     }
 
+    [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
+    public delegate IntPtr CrumpleAlloc(UIntPtr size, UIntPtr align, IntPtr user);
+
+    [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
+    public delegate void CrumpleFree(IntPtr pointer, UIntPtr size, UIntPtr align, IntPtr user);
+
+    /// <summary>The struct of the C headers.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumpleAllocatorDef
+    {
+        public uint StructSize;
+        public IntPtr Alloc;
+        public IntPtr Free;
+        public IntPtr User;
+
+        public static CrumpleAllocatorDef Default
+        {
+            get
+            {
+                CrumpleRuntime.EnsureLoaded();
+                return Native.NativeMethods.crumple_allocator_def_default();
+            }
+        }
+    }
+
     public enum CrumpleHandleType
     {
         OpaqueFd = 0,
@@ -846,6 +842,7 @@ namespace Crumple
     {
         public uint StructSize;
         public uint Lod;
+        public ulong UserData;
         public ulong Buffer;
         public ulong BufferSize;
         public uint Usage;

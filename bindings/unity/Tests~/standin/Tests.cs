@@ -309,7 +309,7 @@ namespace Crumple.Tests
         public void FramesAllocateNothing()
         {
             CrumpleMesh mesh = Sheet.Create(set);
-            CrumpleImpulseDef none = CrumpleImpulseDef.Default;
+            CrumpleHitDef none = CrumpleHitDef.Default;
             Action frames = () =>
             {
                 for (int i = 0; i < 300; i++)

@@ -54,10 +54,10 @@ struct Scene {
 
     // No lock is needed for these.
     void hit(int i) const {
-        const CrumpleDisplacementDef def =
+        const CrumpleHitDef def =
             displacement_at((float)(i * 37 % 101) / 101 - 0.5f, (float)(i * 61 % 103) / 103 - 0.5f, 0.02f);
-        OK(crumple_instance_submit_displacement(context, body, &def, NULL));
-        OK(crumple_instance_submit_displacement(context, twin, &def, NULL));
+        OK(crumple_instance_submit_hit(context, body, &def, NULL));
+        OK(crumple_instance_submit_hit(context, twin, &def, NULL));
     }
 
     CrumpleUnityBufferDef buffer_def(NativeBuffer *native) const {

@@ -78,11 +78,11 @@ bool FCrumpleBody::Locked(CallType&& Call, FString& OutError)
 
 bool FCrumpleBody::Submit(const FVector& Point, const FVector& Impulse, CrumpleHitResult& OutTold, FString& OutError)
 {
-	CrumpleImpulseDef Def = crumple_impulse_def_default();
+	CrumpleHitDef Def = crumple_hit_def_default();
 	Def.point = Shape->Space.PointToSet(Point);
 	Def.impulse = Shape->Space.ImpulseToSet(Impulse);
 	const bool bDone = Shared(
-		[&](CrumpleContext* Context) { return crumple_instance_submit_impulse(Context, Instance, &Def, &OutTold); }, OutError);
+		[&](CrumpleContext* Context) { return crumple_instance_submit_hit(Context, Instance, &Def, &OutTold); }, OutError);
 	bPending = bPending || bDone;
 	return bDone;
 }
@@ -103,10 +103,10 @@ bool FCrumpleBody::Place(const FMatrix& ToWorld, FString& OutError)
 
 bool FCrumpleBody::FindNormal(const FVector& Point, FVector& OutNormal, FString& OutError)
 {
-	CrumpleImpulseDef Def = crumple_impulse_def_default();
+	CrumpleHitDef Def = crumple_hit_def_default();
 	Def.point = Shape->Space.PointToSet(Point);
 	CrumpleHitResult Told{};
-	if (!Shared([&](CrumpleContext* Context) { return crumple_instance_preview_impulse(Context, Instance, &Def, &Told); }, OutError))
+	if (!Shared([&](CrumpleContext* Context) { return crumple_instance_preview_hit(Context, Instance, &Def, &Told); }, OutError))
 	{
 		return false;
 	}

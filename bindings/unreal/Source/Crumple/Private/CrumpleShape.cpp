@@ -161,11 +161,11 @@ bool FCrumpleShape::AddLevel(FString& OutError)
 		LevelNormals.Add(Space.DirectionToSet(FVector(Mesh.Normals[Vertex])));
 		LevelTangents.Add(FVector4f(Turned.x, Turned.y, Turned.z, Tangent.W * Space.Handedness()));
 	}
-	CrumpleLodDef Def = crumple_lod_def_default();
-	Def.mesh.vertex_count = Mesh.Num();
-	Def.mesh.positions = Input(LevelPositions);
-	Def.mesh.normals = Input(LevelNormals);
-	Def.mesh.tangents = Input(LevelTangents);
+	CrumpleMeshDef Def = crumple_mesh_def_default();
+	Def.vertex_count = Mesh.Num();
+	Def.positions = Input(LevelPositions);
+	Def.normals = Input(LevelNormals);
+	Def.tangents = Input(LevelTangents);
 	const CrumpleResult Result = crumple_example_set_add_lod(Context->Get(), Set, &Def, &Lod);
 	if (Result != CRUMPLE_OK)
 	{
