@@ -1,13 +1,14 @@
 //! Contact points of a physics engine, from which the context makes hits.
 
 use super::check::{Out, array, boolean, def, defs, enumerator, shape, write_array, zeroed};
-use super::context::{Context, CrumpleContext, concurrent};
+use super::context::{Context, CrumpleContext, StepHit, concurrent};
 use super::hit::CrumpleHitResult;
 use super::result::{CrumpleResult, Failure};
 use super::types::{CrumpleInstance, CrumpleVec3};
+use crate::base::error::reserve;
 use crate::contacts::options::{ContactOptions, Impulses};
 use crate::contacts::point::ContactPoint;
-use crate::contacts::report::{ContactHit, ContactReport};
+use crate::contacts::report::ContactReport;
 use crate::instance::inbox::Inbox;
 use crate::select::hit::Cause;
 use std::mem::MaybeUninit;
@@ -150,19 +151,19 @@ pub struct CrumpleContactHit {
     pub result: CrumpleHitResult,
 }
 
-impl CrumpleContactHit {
-    fn new(instance: CrumpleInstance, hit: &ContactHit<'_>) -> Self {
-        let impulse = match &hit.hit.cause {
+impl From<&StepHit> for CrumpleContactHit {
+    fn from(StepHit { pair, instance, hit, outcome }: &StepHit) -> Self {
+        let impulse = match &hit.cause {
             Cause::Impulse { blow, .. } => blow.impulse.unwrap_or_default(),
             Cause::Displacement(_) => [0.0; 3],
         };
         CrumpleContactHit {
-            pair: hit.pair,
-            contact_id: hit.hit.contact.map_or(0, u64::from),
-            instance,
-            point: hit.hit.point.into(),
+            pair: *pair,
+            contact_id: hit.contact.map_or(0, u64::from),
+            instance: *instance,
+            point: hit.point.into(),
             impulse: impulse.into(),
-            result: hit.outcome.into(),
+            result: outcome.into(),
         }
     }
 }
@@ -246,7 +247,12 @@ pub unsafe extern "C" fn crumple_context_step_contacts(
             let inboxes = context.inboxes.read().unwrap_or_else(PoisonError::into_inner);
             // An instance that was destroyed during the call gets no more hits.
             let instance = inboxes.iter().find(|(_, inbox)| Arc::ptr_eq(inbox, hit.inbox)).map(|(id, _)| id);
-            hits.extend(instance.map(|instance| CrumpleContactHit::new(instance, hit)));
+            hits.extend(instance.map(|instance| StepHit {
+                pair: hit.pair,
+                instance,
+                hit: *hit.hit,
+                outcome: *hit.outcome,
+            }));
         })?;
         hits.drain(..earlier);
         out.write((&report).into());
@@ -265,11 +271,14 @@ pub unsafe extern "C" fn crumple_context_get_contact_hits(
 ) -> CrumpleResult {
     concurrent("crumple_context_get_contact_hits", context, |context| {
         let out = Out::new(out_count, "out_count")?;
-        write_array(&contact_hits(context), hits, capacity as usize, "hits", out)
+        let told = contact_hits(context);
+        let mut found = reserve(told.len(), "hits")?;
+        found.extend(told.iter().map(CrumpleContactHit::from));
+        write_array(&found, hits, capacity as usize, "hits", out)
     })
 }
 
-fn contact_hits(context: &Context) -> MutexGuard<'_, Vec<CrumpleContactHit>> {
+fn contact_hits(context: &Context) -> MutexGuard<'_, Vec<StepHit>> {
     context.contact_hits.lock().unwrap_or_else(PoisonError::into_inner)
 }
 

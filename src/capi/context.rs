@@ -2,7 +2,6 @@
 
 use super::boundary::boundary;
 use super::check::{Out, def, defs, zeroed};
-use super::contacts::CrumpleContactHit;
 use super::ids::Slots;
 use super::result::{CrumpleResult, Failure};
 use super::store::State;
@@ -60,7 +59,16 @@ pub(super) struct Context {
     pub(super) inboxes: RwLock<Slots<Arc<Inbox>>>,
     pub(super) contacts: ContactLayer,
     /// Of the last step.
-    pub(super) contact_hits: Mutex<Vec<CrumpleContactHit>>,
+    pub(super) contact_hits: Mutex<Vec<StepHit>>,
+}
+
+/// A hit that a step of the contacts brought to an instance.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct StepHit {
+    pub(super) pair: u64,
+    pub(super) instance: CrumpleInstance,
+    pub(super) hit: Hit,
+    pub(super) outcome: Outcome,
 }
 
 // SAFETY: `log_user` is only handed back to the host, on the thread that called.

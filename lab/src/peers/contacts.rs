@@ -43,9 +43,9 @@ const APART: f64 = 0.05;
 /// bodies apart that sank into a mesh.
 const FLOORS: [(&str, Shape, f64, f64); 4] = [
     ("rapier", Shape::Ball, 0.05, 0.03),
-    ("rapier", Shape::Box, 0.08, 0.1),
-    ("bullet", Shape::Ball, 0.09, 0.15),
-    ("bullet", Shape::Box, 0.14, 0.21),
+    ("rapier", Shape::Box, 0.08, 0.05),
+    ("bullet", Shape::Ball, 0.09, 0.06),
+    ("bullet", Shape::Box, 0.09, 0.15),
 ];
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
