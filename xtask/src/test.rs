@@ -155,13 +155,7 @@ const STAGES: &[Stage] = &[
         wants: &[],
         run: platforms::i686,
     },
-    Stage {
-        name: "demo",
-        shows: "`cargo xtask demo` crashes the car",
-        needs: &[],
-        wants: &[],
-        run: demo::check,
-    },
+    Stage { name: "demo", shows: "`cargo xtask demo` crashes the car", needs: &[], wants: &[], run: demo::check },
     Stage {
         name: "car",
         shows: "the car's script makes a car: parts, sizes, closed inner solids, normals, symmetry, valid glTF",
