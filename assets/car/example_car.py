@@ -22,10 +22,11 @@ from scipy.spatial import cKDTree
 SIZE = 0.045
 """Metres between vertices of the skin."""
 CRASH = (
-    ("a pole", "side pole 1", None), ("another pole", "side pole 1", (0.88, 0.6, -0.85)), ("a wall's edge", "front edge 1", None),
-    ("the same edge", "front edge 1", (0.62, 0.45, 2.13)), ("a ball on the hood", "hood ball 1", None), ("a ball on the roof", "hood ball 1", (0.35, 1.43, -0.3)),
+    ("a pole in the front", "front pole 2", None, None), ("a pole in the door", "side pole 1", None, None),
+    ("a wall's edge in the rear door", "front edge 1", (0.9, 0.6, -0.8), (1.0, 0.0, 0.0)), ("a ball on the hood", "hood ball 1", (0.42, 0.93, 1.35), (0.1, 1.0, 0.1)),
+    ("a ball on the roof", "roof ball 2", None, None),
 )  # fmt: skip
-"""What hits the car in the demo: a name, the blow of an example, and another place for it."""
+"""What hits the car in the demo: a name, the blow of an example, and another place and normal for it."""
 STONES, SEED = 20, 35
 LEAST = 4e-4
 """m; smaller displacements are faded out."""
@@ -93,14 +94,14 @@ def crash(hits, nodes):
     """The demo's impacts: blows of CRASH, and stones at random places of the sheet that is seen from the front and the left."""
     by_name = {hit.name: impact(hit) for hit, _ in hits}
     out = []
-    for name, blow, place in CRASH:
-        out.append({**by_name[blow], "striker": dict(by_name[blow]["striker"]), "name": name})
+    for name, blow, place, normal in CRASH:
+        one = {**by_name[blow], "striker": dict(by_name[blow]["striker"]), "name": name}
         if place:
-            out[-1]["point"] = list(place)
-            if blow == "hood ball 1":
-                down = lambda v: [0.0, -float(np.linalg.norm(v)), 0.0]  # noqa: E731
-                out[-1] |= {"normal": [0.0, 1.0, 0.0], "impulse": down(out[-1]["impulse"])}
-                out[-1]["striker"]["velocity"] = down(out[-1]["striker"]["velocity"])
+            n = np.array(normal) / np.linalg.norm(normal)
+            along = lambda v: [float(f"{x:.5g}") for x in -np.linalg.norm(v) * n]  # noqa: B023, E731
+            one |= {"point": list(place), "normal": n.round(4).tolist(), "impulse": along(one["impulse"])}
+            one["striker"]["velocity"] = along(one["striker"]["velocity"])
+        out.append(one)
     stone = next((impact(hit) for hit, _ in hits if hit.name.startswith("stone")), None)
     if stone is None:
         return out
