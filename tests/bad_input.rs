@@ -674,7 +674,7 @@ fn quick_every_flipped_bit_of_saved_damage() {
     let set = scenes_set();
     let other = Arc::new(build(triangle(), vec![dent()]).unwrap());
     for options in [InstanceOptions::default(), InstanceOptions::classic(Rule::MostDisplaced)] {
-        let mut instance = Instance::new(set.clone(), options.clone()).unwrap();
+        let mut instance = Instance::new(set.clone(), options).unwrap();
         let mut dice = Dice::new(7);
         for _ in 0..4 {
             instance.submit(&random_hit(&set, &mut dice)).unwrap();

@@ -104,7 +104,7 @@ impl Flat<'_> {
     fn model(&mut self, m: &mut Model, points: usize) -> Result<(), Error> {
         let mut rows = m.rows.concat();
         self.numbers(&mut rows)?;
-        if rows.len() % AXES != 0 || rows.is_empty() {
+        if !rows.len().is_multiple_of(AXES) || rows.is_empty() {
             return Err(wrong("a number of hits", rows.len(), format!("a multiple of {AXES}, above 0")));
         }
         m.rows = rows.as_chunks::<AXES>().0.to_vec();
@@ -156,7 +156,7 @@ impl Flat<'_> {
             partners.extend(list);
         }
         self.array(&mut partners)?;
-        if partners.len() % (points + 1) != 0 {
+        if !partners.len().is_multiple_of(points + 1) {
             return Err(wrong("the number of mirrored points", partners.len(), "one for each point and mirror"));
         }
         let of_mirror = |list: &[u32]| (Mirror::from_bits(list[0] as u8), list[1..].to_vec());
