@@ -3,6 +3,7 @@
 use crate::base::error::Error;
 use crate::base::tasks::TaskSystem;
 use crate::basis::field::NodeField;
+use crate::mesh::Mesh;
 use crate::mesh::mirror::Mirror;
 use crate::predict::{Blow, Body, Hit, LearnOptions, Learned, Prediction, Predictor, Sample, Scratch, Strike};
 use glam::Vec3;
@@ -11,9 +12,9 @@ use std::sync::{Arc, Mutex};
 
 use super::blow;
 use super::example::Example;
+use super::learned;
 use super::mesh_lod::MeshLod;
 use super::response::Response;
-use super::set::ExampleSet;
 
 /// Predictions that are kept, since a hit is predicted when it is submitted and again when it is folded.
 const RECENT: usize = 64;
@@ -34,6 +35,20 @@ struct Recent {
     scratch: Vec<Scratch>,
 }
 
+/// What a rule is learned from.
+#[derive(Clone, Copy)]
+pub(crate) struct Source<'a> {
+    pub mesh: &'a Mesh,
+    /// The planes in which the body is symmetric.
+    pub mirror: Mirror,
+    pub examples: &'a [Example],
+    /// How well the nearest examples predict each other, and what they say of blows.
+    pub nearest: &'a learned::Learned,
+    pub response: Option<&'a Response>,
+    /// The nodes as a mesh, with the examples on it.
+    pub nodes: &'a MeshLod,
+}
+
 /// The points and planes of a body with these nodes, and what they take of carried dents.
 struct Points {
     normals: Vec<Vec3>,
@@ -43,14 +58,15 @@ struct Points {
 }
 
 impl Points {
-    fn of(set: &ExampleSet, nodes: &MeshLod) -> Self {
-        let (count, bounds) = (nodes.vertex_count(), set.mesh().bounds());
+    fn of(source: &Source<'_>) -> Self {
+        let (nodes, bounds) = (source.nodes, source.mesh.bounds());
+        let count = nodes.vertex_count();
         let held =
             if nodes.rim.is_open() { Vec::new() } else { (0..count as u32).map(|v| nodes.rim.at(v).factor).collect() };
         Points {
             normals: nodes.mesh.normals().map_or_else(|| vec![Vec3::ZERO; count], <[Vec3]>::to_vec),
             held,
-            mirror: set.report().mirror_planes,
+            mirror: source.mirror,
             centre: bounds.min + (bounds.max - bounds.min) * 0.5,
         }
     }
@@ -67,8 +83,8 @@ impl LearnedRule {
     ///
     /// # Errors
     /// Those of [`Predictor::learn`].
-    pub(crate) fn learn(set: &ExampleSet, nodes: &MeshLod, tasks: &dyn TaskSystem) -> Result<Self, Error> {
-        let (points, examples) = (Points::of(set, nodes), set.examples());
+    pub(crate) fn learn(source: &Source<'_>, tasks: &dyn TaskSystem) -> Result<Self, Error> {
+        let (points, examples, nodes) = (Points::of(source), source.examples, source.nodes);
         let fields: Vec<Vec<Vec3>> = (0..examples.len())
             .map(|i| {
                 let mut field = vec![Vec3::ZERO; nodes.vertex_count()];
@@ -91,7 +107,7 @@ impl LearnedRule {
             })
             .collect();
         let mut predictor = Predictor::learn(&points.body(nodes), &samples, &LearnOptions::default(), tasks)?;
-        predictor.keep(better(set, predictor.learned(), predictor.knows_blows()));
+        predictor.keep(better(source, predictor.learned(), predictor.knows_blows()));
         Ok(LearnedRule { predictor, recent: Mutex::default() })
     }
 
@@ -99,8 +115,8 @@ impl LearnedRule {
     ///
     /// # Errors
     /// [`Error::Format`].
-    pub(crate) fn from_bytes(set: &ExampleSet, nodes: &MeshLod, bytes: &[u8]) -> Result<Self, Error> {
-        let predictor = Predictor::from_bytes(&Points::of(set, nodes).body(nodes), bytes)?;
+    pub(crate) fn from_bytes(source: &Source<'_>, bytes: &[u8]) -> Result<Self, Error> {
+        let predictor = Predictor::from_bytes(&Points::of(source).body(source.nodes), bytes)?;
         Ok(LearnedRule { predictor, recent: Mutex::default() })
     }
 
@@ -159,14 +175,14 @@ impl LearnedRule {
 }
 
 /// Whether the rule is better at blows, and at displacements, than the nearest examples: with each example left out in turn.
-fn better(set: &ExampleSet, learned: &Learned, knows_blows: bool) -> [bool; 2] {
+fn better(source: &Source<'_>, learned: &Learned, knows_blows: bool) -> [bool; 2] {
     /// With fewer examples chance decides.
     const ENOUGH: usize = 6;
     /// The nearest examples must be better by this factor, because leaving out one of few examples costs the rule more than them.
     const CLEARLY: f64 = 1.025;
-    let nearest = set.learned();
-    let depths = set.response().map_or(&[][..], Response::depth_error);
-    let moving = (0..set.examples().len()).filter(|i| !set.examples()[*i].is_empty());
+    let nearest = source.nearest;
+    let depths = source.response.map_or(&[][..], Response::depth_error);
+    let moving = (0..source.examples.len()).filter(|i| !source.examples[*i].is_empty());
     let score = |e: f32| f64::from(e.min(2.0)).sqrt();
     let (mut sums, mut counts) = ([[0.0; 2]; 2], [0; 2]);
     for (i, (blow, displacement)) in moving.zip(learned.errors.iter().zip(&learned.displacement_errors)) {

@@ -8,7 +8,7 @@ use super::mesh_lod::MeshLod;
 use super::options::{SetOptions, VertexMass};
 use super::report::{LodReport, SetReport};
 use super::response::Response;
-use super::rule::LearnedRule;
+use super::rule::{LearnedRule, Source};
 use super::stamp::Stamp;
 use crate::base::array::Array;
 use crate::base::error::Error;
@@ -350,6 +350,18 @@ impl ExampleSet {
     /// What predicts hits from all examples, if the set has learned it.
     pub(crate) fn rule(&self) -> Option<&LearnedRule> {
         self.rule.as_ref()
+    }
+
+    /// What a rule is learned from, with these nodes.
+    pub(crate) fn rule_source<'a>(&'a self, nodes: &'a MeshLod) -> Source<'a> {
+        Source {
+            mesh: self.mesh(),
+            mirror: self.report.mirror_planes,
+            examples: &self.examples,
+            nearest: &self.learned,
+            response: self.response(),
+            nodes,
+        }
     }
 
     /// Lets hits be predicted. Marks then mean something else, so the fingerprint changes.

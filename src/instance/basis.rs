@@ -90,7 +90,7 @@ impl ExampleSet {
         if self.mesh().normals().is_none() {
             return Err(needs("of a mesh without normals"));
         }
-        let rule = LearnedRule::learn(self, &nodes.lod, tasks)?;
+        let rule = LearnedRule::learn(&self.rule_source(&nodes.lod), tasks)?;
         let mut errors = rule.errors().iter().copied();
         let errors = self.examples().iter().map(|e| if e.is_empty() { 0.0 } else { errors.next().unwrap_or(1.0) });
         let [blows, displacements] = rule.predicts();

@@ -36,3 +36,8 @@ pub struct Sample<'a> {
     /// errors.
     pub source: u32,
 }
+
+/// The share that a point takes of what is carried to it.
+pub(super) fn held(shares: &[f32], point: usize) -> f32 {
+    shares.get(point).copied().unwrap_or(1.0)
+}

@@ -1,6 +1,6 @@
 //! What a set learns from its own examples: each is left out in turn, and the others predict it.
 
-use super::body::{Body, Sample};
+use super::body::{Body, Sample, held};
 use super::features::{Point, Points, STRENGTH_AXIS};
 use super::fit::{Prior, fit};
 use super::kernel::Lengths;
@@ -469,11 +469,6 @@ impl Data<'_> {
         }
         model
     }
-}
-
-/// The share that a point takes of what is carried to it.
-pub(super) fn held(shares: &[f32], point: usize) -> f32 {
-    shares.get(point).copied().unwrap_or(1.0)
 }
 
 /// Whole groups of rows, evenly from all, of at most `most` rows.

@@ -1,8 +1,8 @@
 //! The learned rule as plain data, and what it says of a hit.
 
+use super::body::held;
 use super::features::{Point, Points, STRENGTH_AXIS, Strike, point};
 use super::kernel::{GROUPS, exp, matern};
-use super::learn::held;
 use super::lookup::nearest;
 use super::options::Learned;
 use super::own::{self, OwnFields};

@@ -101,7 +101,7 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
         let Some(nodes) = nodes.as_ref().filter(|nodes| nodes.mesh.normals().is_some()) else {
             return Err(wrong("section rule", "there", "absent where vertices have no normals or follow no nodes"));
         };
-        set.set_rule(LearnedRule::from_bytes(&set, nodes, &rule)?);
+        set.set_rule(LearnedRule::from_bytes(&set.rule_source(nodes), &rule)?);
     }
     if let (Some(nodes), Some(rows)) = (nodes, rows) {
         set.follow(nodes, rows);
