@@ -182,7 +182,7 @@ impl Host<'_> {
                 let count = self.word()?.min(2);
                 answered(crumple_context_report_contacts(context, points.as_ptr(), count));
                 let step = crumple_context_step_contacts(context, self.number()?, MaybeUninit::uninit().as_mut_ptr());
-                let (mut hits, mut count) = ([const { MaybeUninit::uninit() }; 4], 0);
+                let (mut hits, mut count) = ([const { MaybeUninit::<CrumpleContactHit>::uninit() }; 4], 0);
                 let room = self.word()?.min(4);
                 answered(crumple_context_get_contact_hits(context, hits.as_mut_ptr().cast(), room, &mut count));
                 step
