@@ -3,6 +3,8 @@
 //     unity_errors libcrumple_unity.so
 #include "scene.hpp"
 
+#include <crumple_vulkan.h>
+
 #include <atomic>
 #include <cstdlib>
 #include <new>
