@@ -22,8 +22,8 @@ from scipy.spatial import cKDTree
 SIZE = 0.045
 """Metres between vertices of the skin."""
 CRASH = (
-    ("a pole in the front", "front pole 2", None, None), ("a pole in the door", "side pole 1", None, None),
-    ("a wall's edge in the rear door", "front edge 1", (0.9, 0.6, -0.8), (1.0, 0.0, 0.0)), ("a ball on the hood", "hood ball 1", (0.42, 0.93, 1.35), (0.1, 1.0, 0.1)),
+    ("a pole in the front", "front pole 2", None, None), ("a pole in the rear door", "side pole 4", None, None), ("a ball in the front door", "side ball 1", None, None),
+    ("a wall's edge in the corner", "front edge 1", (0.66, 0.5, 2.08), (0.35, 0.0, 1.0)), ("a ball on the hood", "hood ball 1", (0.42, 0.93, 1.35), (0.1, 1.0, 0.1)),
     ("a ball on the roof", "roof ball 2", None, None),
 )  # fmt: skip
 """What hits the car in the demo: a name, the blow of an example, and another place and normal for it."""

@@ -124,7 +124,9 @@ def left_of(v, n, t):
     left = v[t].mean(1)[:, 1] > 0
     v = v.copy()
     v[np.intersect1d(t[left], t[~left]), 1] = 0
-    used, index = np.unique(t[left], return_inverse=True)
+    t = t[left]
+    area = np.linalg.norm(np.cross(v[t[:, 1]] - v[t[:, 0]], v[t[:, 2]] - v[t[:, 0]]), axis=1) / 2
+    used, index = np.unique(t[area > 1e-7], return_inverse=True)
     return v[used], n[used], index.reshape(-1, 3)
 
 

@@ -205,6 +205,7 @@ fn draw(kind: Kind, size: [usize; 2], source: &Source, deformed: &Deformed, outc
         before_normals: mesh.normals().unwrap_or_default(),
         after: &after,
         after_normals: &after_normals,
+        coats: (&source.coats, &source.coat_of),
         contacts: &marked.map(|o| o.contact_vertex).collect::<Vec<_>>(),
         up: source.up(),
         size,

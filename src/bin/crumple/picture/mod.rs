@@ -12,7 +12,7 @@ pub use camera::{Camera, Margins, View};
 pub use image::Image;
 pub use legend::{Scale, millimetres};
 pub use raster::Body;
-pub use shade::Finish;
+pub use shade::{Coat, Finish};
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -29,6 +29,8 @@ pub struct Subject<'a> {
     pub before_normals: &'a [Vec3],
     pub after: &'a [Vec3],
     pub after_normals: &'a [Vec3],
+    /// How its materials look, and the index of each vertex's among them; empty for a body of one paint.
+    pub coats: (&'a [Coat], &'a [f32]),
     /// Vertices that were hit.
     pub contacts: &'a [u32],
     /// Unit vector in the mesh's space, away from the floor.
@@ -74,8 +76,10 @@ impl Subject<'_> {
         let values: Vec<f32> = moved.iter().map(|u| u.length()).collect();
         let scale = Scale { maximum: self.deepest().1 };
         let view = View::of(self.before, self.triangles, &moved, self.up);
-        let before = self.body(self.before, self.before_normals, &[]);
-        let after = self.body(self.after, self.after_normals, &values);
+        let (coats, coat_of) = self.coats;
+        let before = self.body(self.before, self.before_normals, coat_of);
+        let after = self.body(self.after, self.after_normals, coat_of);
+        let finish = if coats.is_empty() { Finish::Paint } else { Finish::Coats(coats) };
         let hits = match self.contacts.len() {
             1 => "1 hit".to_owned(),
             n => format!("{n} hits"),
@@ -87,18 +91,19 @@ impl Subject<'_> {
         };
         match kind {
             Kind::Base => {
-                let mut image = photograph(before, &camera(size), view, size, &Finish::Paint);
+                let mut image = photograph(before, &camera(size), view, size, &finish);
                 legend::caption(&mut image, margin, "before", "as it came");
                 image
             }
             Kind::After => {
-                let mut image = photograph(after, &camera(size), view, size, &Finish::Paint);
+                let mut image = photograph(after, &camera(size), view, size, &finish);
                 legend::caption(&mut image, margin, "after", &dented);
                 image
             }
             Kind::Heat => {
                 let camera = camera(size);
                 let colour = |t: f32| scale.light(t);
+                let after = self.body(self.after, self.after_normals, &values);
                 let finish = Finish::Heat { colour: &colour, maximum: scale.maximum.max(f32::MIN_POSITIVE) };
                 let mut image = photograph(after, &camera, view, size, &finish);
                 self.mark_contacts(&mut image, &camera, after);
@@ -109,13 +114,8 @@ impl Subject<'_> {
             Kind::BeforeAfter => {
                 let half = [size[0] / 2, size[1]];
                 let camera = camera(half);
-                let mut image = photograph(before, &camera, view, half, &Finish::Paint).beside(&photograph(
-                    after,
-                    &camera,
-                    view,
-                    half,
-                    &Finish::Paint,
-                ));
+                let mut image = photograph(before, &camera, view, half, &finish)
+                    .beside(&photograph(after, &camera, view, half, &finish));
                 legend::caption(&mut image, margin, "before", "as it came");
                 legend::caption(&mut image, margin + half[0] as i32, "after", &dented);
                 image

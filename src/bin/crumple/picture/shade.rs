@@ -11,13 +11,31 @@ pub type Light = Vec3;
 
 /// Sides of the shadow map of the key light for each side of the picture, texels.
 const SHADOW_TEXELS: f32 = 1.5;
-/// Diffuse reflectance of the paint.
-const PAINT: Light = Vec3::new(0.045, 0.130, 0.205);
-/// Colour of the metal flakes in the paint.
-const FLAKES: Light = Vec3::new(0.16, 0.34, 0.46);
 /// Brightness of a strip light.
 const STRIP: f32 = 5.0;
 const GROUND: Light = Vec3::new(0.80, 0.81, 0.825);
+
+/// How a material looks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coat {
+    /// Diffuse reflectance.
+    pub paint: Light,
+    /// Colour of the metal flakes in the paint.
+    pub flakes: Light,
+    /// How much of a mirror the lacquer is, from 0 to 1.
+    pub gloss: f32,
+}
+
+/// Blue metallic paint.
+pub const PAINT: Coat = Coat { paint: Vec3::new(0.045, 0.130, 0.205), flakes: Vec3::new(0.16, 0.34, 0.46), gloss: 1.0 };
+
+impl Coat {
+    /// Of glTF's base colour (linear), metalness and roughness.
+    pub fn of(colour: Light, metal: f32, roughness: f32) -> Self {
+        let gloss = (1.0 - roughness).powi(2);
+        Coat { paint: colour * (1.0 - 0.5 * metal), flakes: colour * (1.5 * metal), gloss }
+    }
+}
 
 /// Everything that is the same for all pixels.
 pub struct Studio<'a> {
@@ -41,6 +59,8 @@ pub struct Studio<'a> {
 /// The appearance of the body's surface.
 pub enum Finish<'a> {
     Paint,
+    /// The values of the body's vertices are indices of these.
+    Coats(&'a [Coat]),
     /// Colours of values from 0 to `maximum`, m.
     Heat {
         colour: &'a (dyn Fn(f32) -> Light + Sync),
@@ -122,7 +142,11 @@ impl<'a> Studio<'a> {
         let n = surface.normal.normalize_or(-ray);
         let v = -ray.normalize();
         match finish {
-            Finish::Paint => self.paint(n, v, shade),
+            Finish::Paint => self.paint(PAINT, n, v, shade),
+            Finish::Coats(coats) => {
+                let coat = coats.get(surface.value.round() as usize).copied().unwrap_or(PAINT);
+                self.paint(coat, n, v, shade)
+            }
             Finish::Heat { colour, maximum } => {
                 let base = colour((surface.value / maximum).clamp(0.0, 1.0));
                 // The colour carries the information; light only hints at the shape.
@@ -134,7 +158,7 @@ impl<'a> Studio<'a> {
 
     /// Metallic paint under clear lacquer. The paint shows the shape by raking light. The lacquer shows it by the
     /// reflections of the strip lights, which bend wherever the surface does.
-    fn paint(&self, n: Vec3, v: Vec3, Shade { open, direct }: Shade) -> Light {
+    fn paint(&self, coat: Coat, n: Vec3, v: Vec3, Shade { open, direct }: Shade) -> Light {
         let nv = n.dot(v).max(0.02);
         let key = n.dot(self.key).max(0.0);
         let rim = n.dot(self.rim).max(0.0);
@@ -147,7 +171,7 @@ impl<'a> Studio<'a> {
         let lacquer = 0.055 + (1.0 - 0.055) * (1.0 - nv).powi(5);
         let glint = n.dot(half).max(0.0).powi(220) * 6.0 * direct;
         let reflected = self.room(mirror) * (0.25 + 0.75 * open) + Vec3::splat(glint);
-        PAINT * (ambient + lit) + FLAKES * flakes + reflected * lacquer
+        coat.paint * (ambient + lit) + coat.flakes * flakes + reflected * lacquer * coat.gloss
     }
 
     /// The light that a mirror reflects from direction `d`: a dim room with strip lights in the ceiling.

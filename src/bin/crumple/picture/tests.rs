@@ -1,7 +1,7 @@
 //! Tests of the pictures.
 
 use super::{
-    Kind, MARGINS, Scale, Subject, View,
+    Coat, Kind, MARGINS, Scale, Subject, View,
     camera::Camera,
     legend::millimetres,
     raster::{self, Body},
@@ -73,6 +73,7 @@ fn the_deepest_vertex_has_the_last_colour_of_the_scale() {
         before_normals: &normals,
         after: &after,
         after_normals: &normals,
+        coats: (&[], &[]),
         contacts: &[],
         up: Vec3::Y,
         size: SIZE,
@@ -93,6 +94,29 @@ fn the_deepest_vertex_has_the_last_colour_of_the_scale() {
 }
 
 #[test]
+fn a_vertex_has_the_colour_of_its_coat() {
+    let (before, normals, triangles) = sphere(Vec3::ZERO);
+    let coats = [Coat::of(Vec3::Z, 0.0, 1.0), Coat::of(Vec3::X, 0.0, 1.0)];
+    let size = [160, 100];
+    let subject = Subject {
+        triangles: &triangles,
+        before: &before,
+        before_normals: &normals,
+        after: &before,
+        after_normals: &normals,
+        coats: (&coats, &vec![1.0; before.len()]),
+        contacts: &[],
+        up: Vec3::Y,
+        size,
+    };
+    let image = subject.draw(Kind::Base);
+    // A rough coat reflects nothing, so it has no other colour than its own.
+    let middle = (size[1] / 2 * size[0] + size[0] / 2) * 3;
+    let [red, green, blue] = [0, 1, 2].map(|channel| image.rgb[middle + channel]);
+    assert!(red > 40 && green == 0 && blue == 0, "{red} {green} {blue}");
+}
+
+#[test]
 fn drawing_what_has_no_size_or_no_dent_does_not_fail() {
     let one = [Vec3::ONE; 3];
     let subject = Subject {
@@ -101,6 +125,7 @@ fn drawing_what_has_no_size_or_no_dent_does_not_fail() {
         before_normals: &[Vec3::Z; 3],
         after: &one,
         after_normals: &[Vec3::Z; 3],
+        coats: (&[], &[]),
         contacts: &[0],
         up: Vec3::Y,
         size: [64, 40],
