@@ -4,7 +4,7 @@
 
 CAR_FOLDER is what make_car.py wrote, HITS_FOLDER gets a file for each blow; those that are there are not made again. The solver is that of
 `crumple examples` (the Python package in bindings/python). A shell of the whole car would have edges of 13 cm at a cost of four seconds a
-blow, so each blow has a shell of its own: the part of the skin around it. It is held where it was cut and at the floor. Engine, cabin floor,
+blow, so each blow has a shell of its own: the part of the skin around it. It is held where it was cut. Engine, cabin floor,
 dashboard and axles stand behind it as rigid solids. The blows are a table, and nothing is random.
 """
 
@@ -37,7 +37,7 @@ STIFFNESS = {
 }  # fmt: skip
 OTHER = 80.0
 """A guess of a blow's energy by depth ** EXPONENT and by the sheet's strength, from trials."""
-TRIES = 1
+TRIES = 2
 ALIKE = 2.2
 """A dent whose depth is within this factor of what was wanted is kept. Else the blow is made again with another energy."""
 WORST = 0.3

@@ -97,7 +97,6 @@ fn the_deepest_vertex_has_the_last_colour_of_the_scale() {
 fn a_vertex_has_the_colour_of_its_coat() {
     let (before, normals, triangles) = sphere(Vec3::ZERO);
     let coats = [Coat::of(Vec3::Z, 0.0, 1.0), Coat::of(Vec3::X, 0.0, 1.0)];
-    let size = [160, 100];
     let subject = Subject {
         triangles: &triangles,
         before: &before,
@@ -107,11 +106,11 @@ fn a_vertex_has_the_colour_of_its_coat() {
         coats: (&coats, &vec![1.0; before.len()]),
         contacts: &[],
         up: Vec3::Y,
-        size,
+        size: SIZE,
     };
     let image = subject.draw(Kind::Base);
     // A rough coat reflects nothing, so it has no other colour than its own.
-    let middle = (size[1] / 2 * size[0] + size[0] / 2) * 3;
+    let middle = (SIZE[1] / 2 * SIZE[0] + SIZE[0] / 2) * 3;
     let [red, green, blue] = [0, 1, 2].map(|channel| image.rgb[middle + channel]);
     assert!(red > 40 && green == 0 && blue == 0, "{red} {green} {blue}");
 }
