@@ -167,7 +167,7 @@ impl Host<'_> {
 
     pub(super) fn hit(&mut self) -> Step<CrumpleHitDef> {
         let mut def = crumple_hit_def_default();
-        def.kind = enumerator(u32::from(self.bytes.arbitrary()?));
+        def.kind = enumerator(u32::from(self.bytes.arbitrary::<u8>()? % 3));
         (def.point, def.duration, def.mass) = (self.point()?, 0.01, 1.0);
         def.impulse = [0.0, 0.0, -f32::from(self.bytes.arbitrary::<u8>()?) / 40.0].into();
         def.displacement = [0.0, 0.0, -f32::from(self.bytes.arbitrary::<u8>()?) / 2000.0].into();
