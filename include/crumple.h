@@ -480,7 +480,10 @@ typedef struct CrumpleHitResult {
     CrumpleChosen chosen[4];
     /// The mark. All zero if the hit leaves none.
     CrumpleMark mark;
-    uint64_t reserved[4];
+    /// The relative L2 error that is expected of the dent, if the set has learned to predict it; 1 is the error of no dent at all.
+    /// Else 0. Where it is large, one more example would help.
+    float expected_error;
+    uint32_t reserved[7];
 } CrumpleHitResult;
 
 /// Options of a context's contacts.

@@ -619,7 +619,7 @@ fn blows_come_from_impacts_in_the_mesh_s_own_space() {
             mass: Some(2.0),
             velocity: Some([0.5, -1.0, -4.0]),
             radius: Some(0.5),
-            ..Default::default()
+            shape: crumple::StrikerShape::Ball,
         },
     };
     assert_eq!(imported.examples[0].blow, expected);

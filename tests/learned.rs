@@ -117,6 +117,36 @@ fn harder_blows_are_never_shallower_and_weak_ones_leave_nothing() {
 }
 
 #[test]
+fn expected_errors_tell_where_examples_contradict_each_other() {
+    let soft = Soft::new();
+    // Examples of one half keep the law, those of the other do not.
+    let mut dice = Dice::new(2);
+    let examples = (0..24)
+        .map(|_| {
+            let (v, energy) = (soft.place(&mut dice), dice.between(20.0, 400.0));
+            let keeps = soft.mesh.positions[v as usize][1] < 0.0;
+            let told = scenes::struck(&soft.mesh, v, energy);
+            let left = scenes::struck(&soft.mesh, v, if keeps { energy } else { energy * dice.between(0.1, 6.0) });
+            ExampleData { blow: told.blow, ..left }
+        })
+        .collect();
+    let set = learned(&build(soft.mesh.clone(), examples, SetOptions { mirror: false, ..SetOptions::default() }));
+    let expected = |y: f32| {
+        let at = scenes::nearest(&soft.mesh, [0.0, y, 0.0]);
+        new(&set).preview(&hit(&set, at, 100.0)).unwrap().expected_error.unwrap()
+    };
+    let (good, bad) = (expected(-0.25), expected(0.25));
+    assert!(
+        good > 0.0 && bad < 2.0 && bad > 1.05 * good,
+        "{good} where examples keep the law, {bad} where they do not"
+    );
+    assert_eq!(
+        new(&scenes::sheet_set()).preview(&scenes::push([0.0; 3], [0.0, 0.0, -0.05])).unwrap().expected_error,
+        None
+    );
+}
+
+#[test]
 fn a_displacement_is_reached_at_its_contact() {
     let set = Soft::new().set(20);
     let mut dice = Dice::new(12);

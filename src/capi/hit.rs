@@ -91,7 +91,10 @@ pub struct CrumpleHitResult {
     pub chosen: [CrumpleChosen; 4],
     /// The mark. All zero if the hit leaves none.
     pub mark: Mark,
-    pub reserved: [u64; 4],
+    /// The relative L2 error that is expected of the dent, if the set has learned to predict it; 1 is the error of no dent at all.
+    /// Else 0. Where it is large, one more example would help.
+    pub expected_error: f32,
+    pub reserved: [u32; 7],
 }
 
 impl CrumpleHitResult {
@@ -106,6 +109,7 @@ impl CrumpleHitResult {
             clamped: false,
             chosen: [None; 4],
             mark: None,
+            expected_error: None,
         })
     }
 }
@@ -135,7 +139,8 @@ impl From<&Outcome> for CrumpleHitResult {
             clamped: outcome.clamped,
             chosen,
             mark: outcome.mark.unwrap_or(bytemuck::Zeroable::zeroed()),
-            reserved: [0; 4],
+            expected_error: outcome.expected_error.unwrap_or(0.0),
+            reserved: [0; 7],
         }
     }
 }

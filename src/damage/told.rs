@@ -10,11 +10,10 @@
 //! Logarithms are to the base of 2, in units of 1/500, from 2^-64 on.
 
 use super::mark::{MAX_PAIRS, Mark, Pair};
-use crate::basis::field::NodeField;
+use crate::example::rule::Predicted;
 use crate::example::set::ExampleSet;
 use crate::predict;
 use glam::{DVec3, Vec3};
-use std::sync::Arc;
 
 /// A hit as a mark stores it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,7 +75,7 @@ impl Told {
 
 /// The displacements of the nodes by the hit of a mark alone, and the factor with which the contact gets the mark's depth. `None` if
 /// the mark has examples, or the set has not learned to predict.
-pub(crate) fn predicted(set: &ExampleSet, mark: &Mark) -> Option<(Arc<NodeField>, f32)> {
+pub(crate) fn predicted(set: &ExampleSet, mark: &Mark) -> Option<(Predicted, f32)> {
     let (rule, rows) = (set.rule()?, set.base_lod().rows.as_ref()?);
     let normal = set.mesh().contact_normal(mark.contact)?;
     let (told, depth) = match Told::of(&mark.pairs, normal)? {
@@ -85,10 +84,10 @@ pub(crate) fn predicted(set: &ExampleSet, mark: &Mark) -> Option<(Arc<NodeField>
     };
     let hit = predict::Hit { contact: set.mesh().positions()[mark.contact as usize], normal, told };
     let [a, b, c, d] = mark.pairs.map(|p| u32::from(p.example) << 16 | u32::from(p.share));
-    let field = rule.predict([mark.contact, depth, a, b, c, d], &hit);
-    let scale = mark.depth / field.at_vertex(rows, mark.contact).length();
+    let predicted = rule.predict([mark.contact, depth, a, b, c, d], &hit);
+    let scale = mark.depth / predicted.field.at_vertex(rows, mark.contact).length();
     let scale = if scale.is_finite() { scale.min(MOST_SCALE) } else { 0.0 };
-    Some((field, if (scale - 1.0).abs() < 1e-6 { 1.0 } else { scale }))
+    Some((predicted, if (scale - 1.0).abs() < 1e-6 { 1.0 } else { scale }))
 }
 
 impl Mark {

@@ -5,7 +5,7 @@ use crate::base::tasks::TaskSystem;
 use crate::basis::field::NodeField;
 use crate::mesh::Mesh;
 use crate::mesh::mirror::Mirror;
-use crate::predict::{Blow, Body, Hit, LearnOptions, Learned, Prediction, Predictor, Sample, Scratch, Strike};
+use crate::predict::{Blow, Body, Hit, LearnOptions, Learned, Predictor, Sample, Scratch, Strike};
 use glam::Vec3;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};
@@ -29,9 +29,17 @@ pub(crate) struct LearnedRule {
     recent: Mutex<Recent>,
 }
 
+/// What a hit alone is predicted to leave.
+#[derive(Debug, Clone)]
+pub(crate) struct Predicted {
+    pub field: Arc<NodeField>,
+    /// Relative L2; 1 is the error of no dent at all.
+    pub expected_error: f32,
+}
+
 #[derive(Debug, Default)]
 struct Recent {
-    fields: VecDeque<(Key, Arc<NodeField>)>,
+    predictions: VecDeque<(Key, Predicted)>,
     scratch: Vec<Scratch>,
 }
 
@@ -144,32 +152,32 @@ impl LearnedRule {
     }
 
     /// Predicts the displacements of the nodes by a hit alone. `key` must tell all hits apart.
-    pub(crate) fn predict(&self, key: Key, hit: &Hit) -> Arc<NodeField> {
+    pub(crate) fn predict(&self, key: Key, hit: &Hit) -> Predicted {
         let mut scratch = {
             let mut recent = self.recent.lock().unwrap_or_else(|e| e.into_inner());
-            if let Some((_, field)) = recent.fields.iter().find(|(k, _)| *k == key) {
-                return field.clone();
+            if let Some((_, known)) = recent.predictions.iter().find(|(k, _)| *k == key) {
+                return known.clone();
             }
             recent.scratch.pop().unwrap_or_default()
         };
         let mut moved = Vec::new();
-        let _: Prediction = self.predictor.predict(hit, &mut scratch, &mut moved);
+        let expected_error = self.predictor.predict(hit, &mut scratch, &mut moved).expected_error;
         // Numbers of a file may be anything finite.
         if moved.iter().any(|(_, u)| !u.is_finite()) {
             moved.clear();
         }
-        let field = Arc::new(NodeField::new(&moved));
+        let predicted = Predicted { field: Arc::new(NodeField::new(&moved)), expected_error };
         let mut recent = self.recent.lock().unwrap_or_else(|e| e.into_inner());
         recent.scratch.push(scratch);
-        recent.fields.truncate(RECENT - 1);
-        recent.fields.push_front((key, field.clone()));
-        field
+        recent.predictions.truncate(RECENT - 1);
+        recent.predictions.push_front((key, predicted.clone()));
+        predicted
     }
 
     /// Memory used, bytes.
     pub(crate) fn bytes(&self) -> usize {
         let recent = self.recent.lock().unwrap_or_else(|e| e.into_inner());
-        let fields: usize = recent.fields.iter().map(|(_, field)| field.bytes()).sum();
+        let fields: usize = recent.predictions.iter().map(|(_, predicted)| predicted.field.bytes()).sum();
         self.predictor.bytes() + fields
     }
 }

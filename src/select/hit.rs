@@ -139,6 +139,9 @@ pub struct Outcome {
     pub chosen: [Option<Chosen>; 4],
     /// The mark that the hit leaves. `None` with the classic rules.
     pub mark: Option<Mark>,
+    /// The relative L2 error that is expected of its dent, if the set has learned to predict it: 1 is the error of no dent at all. Where it
+    /// is large, one more example would help.
+    pub expected_error: Option<f32>,
 }
 
 impl Outcome {

@@ -116,6 +116,7 @@ pub(crate) fn resolve(set: &ExampleSet, p: &HitParams, hit: &Hit) -> Result<(Out
         clamped: false,
         chosen: [None; MAX_PAIRS],
         mark: None,
+        expected_error: None,
     };
     if p.landing.as_ref().is_some_and(|landing| landing.is_rigid(contact.vertex)) {
         outcome.status = HitStatus::Rigid;
@@ -142,7 +143,7 @@ fn aimed(set: &ExampleSet, contact: u32, told: &Told) -> DVec3 {
     let normal = set.mesh().contact_normal(contact).unwrap_or(Vec3::Z);
     let mark = Mark { contact, depth: 1.0, energy: Mark::ONE, pairs: told.pairs(normal) };
     let rows = set.base_lod().rows.as_ref();
-    let at = predicted(set, &mark).zip(rows).map(|((field, _), rows)| field.at_vertex(rows, contact));
+    let at = predicted(set, &mark).zip(rows).map(|((p, _), rows)| p.field.at_vertex(rows, contact));
     at.unwrap_or_default().as_dvec3()
 }
 

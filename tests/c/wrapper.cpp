@@ -43,7 +43,7 @@ int main() {
     impulse.duration = 0.01f;
     impulse.mass = 1;
     impulse.normal = vec3(0, 0, 1);
-    impulse.striker = {2.5f, 0.1f, vec3(0, 0, -0.4f)};
+    impulse.striker = {2.5f, 0.1f, vec3(0, 0, -0.4f), 1};
     FACT(other.preview(impulse).value().status == CRUMPLE_HIT_STATUS_MARKED && other.marks().value().empty());
     body.end_contact(7).value();
     CrumpleContactPointDef touch = crumple_contact_point_def_default();

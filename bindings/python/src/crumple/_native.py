@@ -306,7 +306,8 @@ class CrumpleHitResult(c.Structure):
         ("clamped", c.c_bool),
         ("chosen", CrumpleChosen * 4),
         ("mark", CrumpleMark),
-        ("reserved", c.c_uint64 * 4),
+        ("expected_error", c.c_float),
+        ("reserved", c.c_uint32 * 7),
     ]
 
 

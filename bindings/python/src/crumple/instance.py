@@ -231,5 +231,5 @@ def _hit_result(raw: native.CrumpleHitResult) -> HitResult:
     mark = np.frombuffer(bytes(raw.mark), MARK)
     return HitResult(
         HitStatus(raw.status), raw.contact_vertex, raw.contact_distance, vector3(raw.target), vector3(raw.achieved), raw.clamped,
-        chosen, mark,
+        chosen, mark, raw.expected_error or None,
     )  # fmt: skip

@@ -201,6 +201,8 @@ class HitResult:
     chosen: tuple[Chosen, ...]
     mark: NDArray[Any]
     """One element of type MARK."""
+    expected_error: float | None
+    """The relative L2 error that is expected of the dent, if the set has learned to predict it; 1 is no dent at all."""
 
 
 @dataclass(frozen=True)

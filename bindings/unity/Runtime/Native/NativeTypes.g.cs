@@ -358,7 +358,8 @@ namespace Crumple
         public CrumpleChosen Chosen2;
         public CrumpleChosen Chosen3;
         public CrumpleMark Mark;
-        public fixed ulong Reserved[4];
+        public float ExpectedError;
+        public fixed uint Reserved[7];
     }
 
     /// <summary>The struct of the C headers.</summary>
