@@ -453,7 +453,10 @@ def test_interrupted_runs_keep_every_finished_hit(tmp_path):
 
     path, out = bodies.write(tmp_path / "body.glb", [bodies.panel()]), tmp_path / "out.glb"
     asked = [sys.executable, "-m", "crumple", "examples", path, "-o", out, "--count", "40", "--detail", "300", "--jobs", "2", "--no-report"]
-    process = subprocess.Popen(list(map(str, asked)), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    # Whoever runs the tests in the background ignores the signal, and so would this process.
+    heed = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    process = subprocess.Popen(list(map(str, asked)), start_new_session=True, preexec_fn=heed, **pipes)
     until = time.monotonic() + 300
     while len(list(tmp_path.glob("out_work/0*.npz"))) < 5 and time.monotonic() < until:
         time.sleep(0.05)
