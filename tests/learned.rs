@@ -3,7 +3,8 @@
 
 mod scenes;
 
-use std::sync::Arc;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex};
 
 use crumple::glam::Vec3;
 use crumple::{
@@ -34,8 +35,12 @@ impl Soft {
         (0..count).map(|_| scenes::struck(&self.mesh, self.place(&mut dice), dice.between(20.0, 400.0))).collect()
     }
 
+    /// Learning takes a second, so each set is learned once.
     fn set(&self, count: usize) -> Arc<ExampleSet> {
-        learned(&build(self.mesh.clone(), self.examples(count, 5), SetOptions::default()))
+        static SETS: Mutex<BTreeMap<usize, Arc<ExampleSet>>> = Mutex::new(BTreeMap::new());
+        let mut sets = SETS.lock().unwrap_or_else(|e| e.into_inner());
+        let make = || learned(&build(self.mesh.clone(), self.examples(count, 5), SetOptions::default()));
+        sets.entry(count).or_insert_with(make).clone()
     }
 }
 
@@ -93,8 +98,8 @@ fn more_examples_are_nearer_to_the_truth() {
         errors.sort_by(f64::total_cmp);
         errors[8]
     };
-    let [few, many] = [6, 48].map(errors);
-    assert!(many < 0.12 && many < 0.6 * few, "{few} with 6 examples, {many} with 48");
+    let [few, many] = [6, 40].map(errors);
+    assert!(many < 0.12 && many < 0.6 * few, "{few} with 6 examples, {many} with 40");
 }
 
 #[test]

@@ -265,7 +265,7 @@ mod tests {
             mass: Some(2.0),
             velocity: Some([0.0, 1.0, -4.0]),
             radius: Some(0.25),
-            shape: StrikerShape::Unknown,
+            shape: StrikerShape::Ball,
         };
         let blow = Blow { impulse: None, duration: Some(0.5), normal: Some([0.0, 0.0, 2.0]), striker };
         assert_eq!(hits[0].cause, Cause::Impulse { blow, mass: Some(8.0) });
