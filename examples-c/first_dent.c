@@ -33,6 +33,9 @@ int main(int count, char **arguments) {
     hit.displacement = (CrumpleVec3){0, 0, -0.03f};
     OK(crumple_instance_submit_hit(context, body, &hit, &told));
     OK(crumple_context_deform(context, NULL, 0, NULL));
-    printf("vertex %u is now at z = %.3f m\n", told.contact_vertex, vertices[told.contact_vertex][2]);
-    return crumple_context_destroy(context) != CRUMPLE_OK || vertices[told.contact_vertex][2] > info.bounds.max.z - 0.02f;
+    float now = vertices[told.contact_vertex][2];
+    printf("vertex %u is now at z = %.3f m\n", told.contact_vertex, now);
+    OK(crumple_context_destroy(context));
+    free(vertices);
+    return now > info.bounds.max.z - 0.02f;
 }
