@@ -458,7 +458,7 @@ typedef struct CrumpleMark {
     /// How many hits of this depth it stands for, times 2^32: 4294967296 for one. Hits that repeat it add to it.
     uint64_t energy;
     /// Up to four examples. Used pairs come first. If the first has the example 65534, they are the numbers of a hit whose dent
-    /// the set predicts (docs/model.md, "A mark of a learned set").
+    /// the set predicts (docs/model.md, "Prediction from all examples").
     CrumplePair pairs[4];
 } CrumpleMark;
 

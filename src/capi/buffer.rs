@@ -56,11 +56,7 @@ pub unsafe extern "C" fn crumple_buffer_register_host(
         let (def, out) = (self::def(def, "def")?, Out::new(out_buffer, "out_buffer")?);
         let memory = HostMemory::new(&def, &state.instances.get(instance, "instance")?.instance)?;
         let memory = Memory::Host(memory, Tracker::new());
-        add_buffer(
-            state,
-            BufferEntry { owner: instance, lod: def.lod as usize, memory, user_data: def.user_data, included: false },
-            out,
-        )
+        add_buffer(state, BufferEntry::new(instance, def.lod, memory, def.user_data), out)
     })
 }
 

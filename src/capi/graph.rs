@@ -63,17 +63,7 @@ pub unsafe extern "C" fn crumple_buffer_register_graph(
             }
             let target = def.target(GraphBuffer { number: def.buffer, size: def.buffer_size })?;
             let memory = Memory::Graph(state.graph.graph.add_target(owner.example_set(), &target)?);
-            add_buffer(
-                state,
-                BufferEntry {
-                    owner: instance,
-                    lod: def.lod as usize,
-                    memory,
-                    user_data: def.user_data,
-                    included: false,
-                },
-                out,
-            )
+            add_buffer(state, BufferEntry::new(instance, def.lod, memory, def.user_data), out)
         })
     })
 }

@@ -95,6 +95,10 @@ impl Memory {
 }
 
 impl BufferEntry {
+    pub(super) fn new(owner: CrumpleInstance, lod: u32, memory: Memory, user_data: u64) -> Self {
+        BufferEntry { owner, lod: lod as usize, memory, user_data, included: false }
+    }
+
     pub(super) fn invalidate(&mut self) {
         match &mut self.memory {
             Memory::Host(_, tracker) => tracker.invalidate(),

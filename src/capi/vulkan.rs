@@ -136,17 +136,7 @@ pub unsafe extern "C" fn crumple_buffer_register_vulkan(
             let owner = &state.instances.get(instance, "instance")?.instance;
             let vulkan = state.vulkan.as_mut().ok_or_else(not_attached)?;
             let memory = Memory::Vulkan(vulkan.register(owner, &def)?);
-            add_buffer(
-                state,
-                BufferEntry {
-                    owner: instance,
-                    lod: def.lod as usize,
-                    memory,
-                    user_data: def.user_data,
-                    included: false,
-                },
-                out,
-            )
+            add_buffer(state, BufferEntry::new(instance, def.lod, memory, def.user_data), out)
         })
     })
 }

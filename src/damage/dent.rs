@@ -106,7 +106,7 @@ impl Dent {
             wide: 1.0,
             contact: set.mesh().positions()[mark.contact as usize],
             examples: ArrayVec::new(),
-            parts: predicted(set, mark).map(|(p, scale)| Part::Predicted(p.field, scale)).into_iter().collect(),
+            parts: predicted(set, mark).map(|p| Part::Predicted(p.predicted.field, p.scale)).into_iter().collect(),
             nearby: Nearby::default(),
         }
     }

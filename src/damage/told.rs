@@ -4,7 +4,8 @@
 //! | pair | example | share |
 //! |---|---|---|
 //! | 0 | [`Told::TAG`] | 0: told as a displacement; 1: as a blow |
-//! | 1, 2 | direction into the body, octahedral, 16 bits each; logarithm of the energy | of the mass |
+//! | 1 | direction into the body, octahedral: first coordinate | second coordinate |
+//! | 2 | logarithm of the energy | logarithm of the mass |
 //! | 3 | logarithm of the radius | kind of the striker |
 //!
 //! Logarithms are to the base of 2, in units of 1/500, from 2^-64 on.
@@ -73,9 +74,17 @@ impl Told {
     }
 }
 
-/// The displacements of the nodes by the hit of a mark alone, and the factor with which the contact gets the mark's depth. `None` if
-/// the mark has examples, or the set has not learned to predict.
-pub(crate) fn predicted(set: &ExampleSet, mark: &Mark) -> Option<(Predicted, f32)> {
+/// What the hit of a mark alone is predicted to leave.
+pub(crate) struct PredictedMark {
+    pub predicted: Predicted,
+    /// How far the field moves the contact, m.
+    pub moved: Vec3,
+    /// The factor with which the contact gets the mark's depth.
+    pub scale: f32,
+}
+
+/// The prediction of a mark. `None` if it has examples, or the set has not learned to predict.
+pub(crate) fn predicted(set: &ExampleSet, mark: &Mark) -> Option<PredictedMark> {
     let (rule, rows) = (set.rule()?, set.base_lod().rows.as_ref()?);
     let normal = set.mesh().contact_normal(mark.contact)?;
     let (told, depth) = match Told::of(&mark.pairs, normal)? {
@@ -85,9 +94,10 @@ pub(crate) fn predicted(set: &ExampleSet, mark: &Mark) -> Option<(Predicted, f32
     let hit = predict::Hit { contact: set.mesh().positions()[mark.contact as usize], normal, told };
     let [a, b, c, d] = mark.pairs.map(|p| u32::from(p.example) << 16 | u32::from(p.share));
     let predicted = rule.predict([mark.contact, depth, a, b, c, d], &hit);
-    let scale = mark.depth / predicted.field.at_vertex(rows, mark.contact).length();
+    let moved = predicted.field.at_vertex(rows, mark.contact);
+    let scale = mark.depth / moved.length();
     let scale = if scale.is_finite() { scale.min(MOST_SCALE) } else { 0.0 };
-    Some((predicted, if (scale - 1.0).abs() < 1e-6 { 1.0 } else { scale }))
+    Some(PredictedMark { predicted, moved, scale: if (scale - 1.0).abs() < 1e-6 { 1.0 } else { scale } })
 }
 
 impl Mark {

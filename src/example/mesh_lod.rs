@@ -5,6 +5,7 @@ use crate::base::math::Aabb;
 use crate::basis::Rows;
 use crate::mesh::Mesh;
 use crate::mesh::rim::Rim;
+use glam::Vec3;
 use std::sync::{Arc, OnceLock};
 
 /// A mesh with the data needed to evaluate marks on it.
@@ -23,6 +24,13 @@ pub(crate) struct MeshLod {
 impl MeshLod {
     pub(crate) fn new(mesh: Mesh, rim: Rim, anchored: Vec<Arc<DeltaBlocks>>) -> Self {
         MeshLod { block_bounds: mesh.block_bounds().clone(), mesh, rim, anchored, rows: None, edge: OnceLock::new() }
+    }
+
+    /// The displacements of all vertices by an example where it was made, m.
+    pub(crate) fn field(&self, example: usize) -> Vec<Vec3> {
+        let mut field = vec![Vec3::ZERO; self.vertex_count()];
+        self.anchored[example].iter().for_each(|(v, d, _)| field[v as usize] = d);
+        field
     }
 
     /// Memory used, with its anchored examples, bytes.

@@ -5,7 +5,7 @@ use crate::base::tasks::TaskSystem;
 use crate::basis::field::NodeField;
 use crate::mesh::Mesh;
 use crate::mesh::mirror::Mirror;
-use crate::predict::{Blow, Body, Hit, LearnOptions, Learned, Predictor, Sample, Scratch, Strike};
+use crate::predict::{Blow, Body, Hit, Learned, Predictor, Sample, Scratch, Strike};
 use glam::Vec3;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};
@@ -93,13 +93,7 @@ impl LearnedRule {
     /// Those of [`Predictor::learn`].
     pub(crate) fn learn(source: &Source<'_>, tasks: &dyn TaskSystem) -> Result<Self, Error> {
         let (points, examples, nodes) = (Points::of(source), source.examples, source.nodes);
-        let fields: Vec<Vec<Vec3>> = (0..examples.len())
-            .map(|i| {
-                let mut field = vec![Vec3::ZERO; nodes.vertex_count()];
-                nodes.anchored[i].iter().for_each(|(v, d, _)| field[v as usize] = d);
-                field
-            })
-            .collect();
+        let fields: Vec<Vec<Vec3>> = (0..examples.len()).map(|i| nodes.field(i)).collect();
         let samples: Vec<Sample<'_>> = examples
             .iter()
             .zip(&fields)
@@ -114,7 +108,7 @@ impl LearnedRule {
                 source,
             })
             .collect();
-        let mut predictor = Predictor::learn(&points.body(nodes), &samples, &LearnOptions::default(), tasks)?;
+        let mut predictor = Predictor::learn(&points.body(nodes), &samples, tasks)?;
         predictor.keep(better(source, predictor.learned(), predictor.knows_blows()));
         Ok(LearnedRule { predictor, recent: Mutex::default() })
     }

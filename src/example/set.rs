@@ -332,13 +332,8 @@ impl ExampleSet {
 
     /// The same for nodes, and rows of the base mesh, that the set does not have yet.
     pub(crate) fn rows_by(&self, (nodes, base): (&MeshLod, &Rows), lod: &MeshLod, tasks: &dyn TaskSystem) -> Rows {
-        let dense = |on: &MeshLod, i: usize| {
-            let mut field = vec![Vec3::ZERO; on.vertex_count()];
-            on.anchored[i].iter().for_each(|(v, d, _)| field[v as usize] = d);
-            field
-        };
         let some = (0..lod.anchored.len()).step_by(lod.anchored.len().div_ceil(MOST_FIELDS).max(1));
-        let (fields, at_nodes): (Vec<_>, Vec<_>) = some.map(|i| (dense(lod, i), dense(nodes, i))).unzip();
+        let (fields, at_nodes): (Vec<_>, Vec<_>) = some.map(|i| (lod.field(i), nodes.field(i))).unzip();
         let fields: Vec<&[Vec3]> = fields.iter().map(Vec::as_slice).collect();
         let positions = self.mesh().positions();
         let near = |p: &Vec3| self.index.nearest(*p, positions).map(|n| n.vertex);

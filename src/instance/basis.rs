@@ -60,7 +60,7 @@ impl ExampleSet {
     pub fn learn_basis(&mut self, options: &BasisOptions, tasks: &dyn TaskSystem) -> Result<BasisReport, Error> {
         let unlimited = self.unlimited(tasks);
         let step = self.examples().len().div_ceil(EXAMPLES);
-        let examples = self.examples().iter().step_by(step).map(|e| self.field(&e.anchored));
+        let examples = (0..self.examples().len()).step_by(step).map(|i| self.base_lod().field(i));
         let thrown = map(tasks, 0..HITS, |i| self.thrown(&unlimited, i));
         let fields: Vec<Vec<Vec3>> = examples.chain(thrown.into_iter().flatten()).collect();
         let fields: Vec<&[Vec3]> = fields.iter().map(Vec::as_slice).collect();
@@ -110,13 +110,6 @@ impl ExampleSet {
         let mesh = self.mesh().clone().without_limits();
         let rim = self.rim().on(self.mesh(), &mesh, tasks);
         MeshLod::new(mesh, rim, self.base_lod().anchored.clone())
-    }
-
-    /// The displacements of an example, m.
-    fn field(&self, example: &DeltaBlocks) -> Vec<Vec3> {
-        let mut field = vec![Vec3::ZERO; self.vertex_count()];
-        example.iter().for_each(|(v, d, _)| field[v as usize] = d);
-        field
     }
 
     /// The displacements that a hit leaves, the `i`-th of a sequence that fills the body and the depths evenly. `None` if no example
@@ -179,10 +172,10 @@ impl ExampleSet {
         };
         let (mesh, _) = Mesh::new(data)?;
         let rim = self.rim().on(base, &mesh, tasks);
-        let anchored = map(tasks, &self.base_lod().anchored, |example| {
-            let field = self.field(example);
+        let anchored = map(tasks, self.examples().iter().enumerate(), |(i, example)| {
+            let field = self.base_lod().field(i);
             let moved: Vec<Vec3> = nodes.iter().map(|v| field[*v as usize]).collect();
-            Arc::new(DeltaBlocks::new(&moved, None, example.steps))
+            Arc::new(DeltaBlocks::new(&moved, None, example.anchored.steps))
         });
         Ok(MeshLod::new(mesh, rim, anchored))
     }

@@ -46,14 +46,14 @@ fn predict(set: &ExampleSet, target: &HitTarget, out: &mut Outcome) -> Option<Ma
     let told = target.told.unwrap_or(Told::Displacement(target.direction));
     let mark =
         Mark { contact: target.contact, depth: target.size, energy: Mark::ONE, pairs: told.pairs(target.normal?) };
-    let (predicted, scale) = predicted(set, &mark)?;
-    let moved = predicted.field.at_vertex(set.base_lod().rows.as_ref()?, mark.contact) * scale;
+    let found = predicted(set, &mark)?;
+    let moved = found.moved * found.scale;
     if moved == Vec3::ZERO {
         return None;
     }
     out.achieved = (moved * set.mesh().limits().factor(mark.contact, moved)).to_array();
     out.status = HitStatus::Marked;
-    (out.mark, out.expected_error) = (Some(mark), Some(predicted.expected_error));
+    (out.mark, out.expected_error) = (Some(mark), Some(found.predicted.expected_error));
     Some(mark)
 }
 

@@ -49,17 +49,9 @@ impl Flat<'_> {
     }
 
     /// Numbers that are finite and not huge.
-    fn numbers(&mut self, array: &mut Vec<f64>) -> Result<(), Error> {
+    fn numbers<T: Pod + Into<f64>>(&mut self, array: &mut Vec<T>) -> Result<(), Error> {
         self.array(array)?;
-        match array.iter().find(|x| x.is_nan() || x.abs() > MOST) {
-            Some(x) => Err(wrong("a number", x, format!("finite and at most {MOST}"))),
-            None => Ok(()),
-        }
-    }
-
-    fn singles(&mut self, array: &mut Vec<f32>) -> Result<(), Error> {
-        self.array(array)?;
-        match array.iter().find(|x| x.is_nan() || f64::from(x.abs()) > MOST) {
+        match array.iter().map(|x| (*x).into()).find(|x: &f64| x.is_nan() || x.abs() > MOST) {
             Some(x) => Err(wrong("a number", x, format!("finite and at most {MOST}"))),
             None => Ok(()),
         }
@@ -81,7 +73,7 @@ impl Flat<'_> {
         part.factors.copy_from_slice(&factors);
         self.numbers(&mut part.mean)?;
         self.numbers(&mut part.coefficients)?;
-        self.singles(&mut part.modes)?;
+        self.numbers(&mut part.modes)?;
         let rank = part.mean.len();
         length("a number of coefficients", part.coefficients.len(), rank * rows)?;
         length("a number of modes", part.modes.len(), rank * columns)
@@ -130,7 +122,7 @@ impl Flat<'_> {
         self.array(&mut own.starts)?;
         self.array(&mut own.points)?;
         self.array(&mut own.displacements)?;
-        self.singles(&mut own.steps)?;
+        self.numbers(&mut own.steps)?;
         let moved = own.points.len();
         length("a number of displacements", own.displacements.len(), moved)?;
         length("a number of steps", own.steps.len() + 1, own.starts.len())?;
@@ -165,12 +157,12 @@ impl Flat<'_> {
             return Err(wrong("a mirrored point", far, format!("below {points}")));
         }
         let learned = &mut p.learned;
-        self.singles(&mut learned.errors)?;
-        self.singles(&mut learned.displacement_errors)?;
+        self.numbers(&mut learned.errors)?;
+        self.numbers(&mut learned.displacement_errors)?;
         length("a number of errors", learned.displacement_errors.len(), learned.errors.len())?;
         let mut told: Vec<f32> = [learned.anchored, learned.stretch].concat();
         told.extend(learned.mirrored.map(|m| f32::from(u8::from(m))));
-        self.singles(&mut told)?;
+        self.numbers(&mut told)?;
         length("a number of shares", told.len(), 6)?;
         (learned.anchored, learned.stretch) = ([told[0], told[1]], [told[2], told[3]]);
         learned.mirrored = [told[4] != 0.0, told[5] != 0.0];

@@ -7,7 +7,7 @@ use super::kernel::Lengths;
 use super::kriging::Kriging;
 use super::linear::{add32, dot32};
 use super::lookup::{nearest, partners};
-use super::options::{LearnOptions, Learned};
+use super::options::Learned;
 use super::own::OwnFields;
 use super::predictor::{Model, Part, Predictor, Typical, blow_point, displacement_point};
 use super::rank::{LowRank, gram};
@@ -67,22 +67,12 @@ impl Predictor {
     /// # Errors
     /// [`Error::InvalidArgument`] if there is no sample, or the lengths of arrays differ; [`Error::NotFinite`] for
     /// numbers that are not finite.
-    pub fn learn(
-        body: &Body<'_>,
-        samples: &[Sample<'_>],
-        options: &LearnOptions,
-        tasks: &dyn TaskSystem,
-    ) -> Result<Self, Error> {
-        learn(body, samples, options, tasks)
+    pub fn learn(body: &Body<'_>, samples: &[Sample<'_>], tasks: &dyn TaskSystem) -> Result<Self, Error> {
+        learn(body, samples, tasks)
     }
 }
 
-fn learn(
-    body: &Body<'_>,
-    samples: &[Sample<'_>],
-    options: &LearnOptions,
-    tasks: &dyn TaskSystem,
-) -> Result<Predictor, Error> {
+fn learn(body: &Body<'_>, samples: &[Sample<'_>], tasks: &dyn TaskSystem) -> Result<Predictor, Error> {
     check(body, samples)?;
     let moving: Vec<usize> =
         (0..samples.len()).filter(|i| samples[*i].field.iter().any(|u| *u != Vec3::ZERO)).collect();
@@ -93,7 +83,7 @@ fn learn(
     order.sort_by_cached_key(|i| key(&samples[*i]));
     let ordered: Vec<Sample> = order.iter().map(|i| samples[*i]).collect();
     let typical = typical(&ordered);
-    let mirrors: Vec<Mirror> = if options.mirror { body.mirror.choices().collect() } else { vec![Mirror::NONE] };
+    let mirrors: Vec<Mirror> = body.mirror.choices().collect();
     let others = mirrors.iter().filter(|m| **m != Mirror::NONE);
     let data = Data {
         body,

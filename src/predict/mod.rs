@@ -33,5 +33,5 @@ pub use blow::Blow;
 pub use body::{Body, Sample};
 pub use features::Strike;
 pub use hits::{Hit, Prediction, Told};
-pub use options::{LearnOptions, Learned};
+pub use options::Learned;
 pub use predictor::{Predictor, Scratch};

@@ -1,17 +1,4 @@
-//! What a set is told to learn, and what it learned.
-
-/// What to learn.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LearnOptions {
-    /// Whether examples may count mirrored in the symmetric planes of the body. They do if that predicts better.
-    pub mirror: bool,
-}
-
-impl Default for LearnOptions {
-    fn default() -> Self {
-        Self { mirror: true }
-    }
-}
+//! What a set learned.
 
 /// What a set learned.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -208,13 +208,14 @@ impl Predictor {
     /// ([`Predictor::knows_blows`]).
     pub fn predict(&self, hit: &Hit, scratch: &mut Scratch, out: &mut Vec<(u32, Vec3)>) -> Prediction {
         out.clear();
-        let displacement = matches!(hit.told, Told::Displacement(_));
-        let model = if displacement { &self.displacement } else { &self.blow };
-        let Some(model) = model else { return Prediction::default() };
-        let x = match hit.told {
-            Told::Strike(strike) => Some(point(hit.contact, hit.normal, self.diagonal, &strike)),
-            Told::Displacement(u) => displacement_point(u, hit.contact, hit.normal, self.diagonal),
+        let (place, normal, diagonal) = (hit.contact, hit.normal, self.diagonal);
+        let (model, x, told) = match hit.told {
+            Told::Strike(strike) => (&self.blow, Some(point(place, normal, diagonal, &strike)), None),
+            Told::Displacement(u) => {
+                (&self.displacement, displacement_point(u, place, normal, diagonal), Some(u.length()))
+            }
         };
+        let Some(model) = model else { return Prediction::default() };
         let Some(x) = x.filter(|x| x.iter().all(|v| v.is_finite())) else { return Prediction::default() };
         let n = model.rows.len();
         let s = scratch;
@@ -227,10 +228,6 @@ impl Predictor {
             errors += k * e;
             all += k;
         }
-        let told = match hit.told {
-            Told::Displacement(u) => Some(u.length()),
-            Told::Strike(_) => None,
-        };
         let strength = if told.is_some() { x[STRENGTH_AXIS] } else { log };
         let wide = exp((model.stretch * (strength - model.reference)).clamp(-1.4, 1.4));
 

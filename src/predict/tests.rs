@@ -2,7 +2,7 @@
 
 use super::kernel::{Lengths, matern};
 use super::kriging::{Kriging, covariance};
-use super::{Blow, Body, Hit, LearnOptions, Prediction, Predictor, Sample, Scratch, Told};
+use super::{Blow, Body, Hit, Prediction, Predictor, Sample, Scratch, Told};
 use crate::base::tasks::Serial;
 use crate::mesh::mirror::Mirror;
 use glam::Vec3;
@@ -90,7 +90,7 @@ impl Set {
     }
 
     fn learn(&self, mirror: u8) -> Predictor {
-        Predictor::learn(&self.sheet.body(mirror), &self.samples(), &LearnOptions::default(), &Serial).unwrap()
+        Predictor::learn(&self.sheet.body(mirror), &self.samples(), &Serial).unwrap()
     }
 }
 
@@ -171,9 +171,9 @@ fn more_examples_predict_better() {
 fn the_order_of_samples_does_not_matter() {
     let set = Set::new(12);
     let mut samples = set.samples();
-    let one = Predictor::learn(&set.sheet.body(0), &samples, &LearnOptions::default(), &Serial).unwrap();
+    let one = Predictor::learn(&set.sheet.body(0), &samples, &Serial).unwrap();
     samples.reverse();
-    let other = Predictor::learn(&set.sheet.body(0), &samples, &LearnOptions::default(), &Serial).unwrap();
+    let other = Predictor::learn(&set.sheet.body(0), &samples, &Serial).unwrap();
     let at = Vec3::new(0.13, 0.02, 0.0);
     assert_eq!(hit(&one, at, 33.0), hit(&other, at, 33.0));
     let errors: Vec<f32> = other.learned().errors.iter().rev().copied().collect();
@@ -238,7 +238,7 @@ fn blows_out_of_the_body_and_weak_ones_leave_nothing() {
     }
     // Examples that know no blow: only displacements can be told.
     let samples: Vec<Sample> = set.samples().into_iter().map(|s| Sample { blow: None, ..s }).collect();
-    let p = Predictor::learn(&set.sheet.body(0), &samples, &LearnOptions::default(), &Serial).unwrap();
+    let p = Predictor::learn(&set.sheet.body(0), &samples, &Serial).unwrap();
     assert!(!p.knows_blows() && hit(&p, contact, 40.0).0.size == 0.0);
     let h = Hit { contact, normal: Vec3::Z, told: Told::Displacement(Vec3::NEG_Z * 0.01) };
     assert!(predict(&p, &h).0.size > 0.0);
@@ -258,9 +258,7 @@ fn an_impulse_tells_what_mass_and_velocity_tell() {
 fn errors_name_what_is_wrong() {
     let set = Set::new(2);
     let body = set.sheet.body(0);
-    let learn = |samples: &[Sample<'_>]| {
-        Predictor::learn(&body, samples, &LearnOptions::default(), &Serial).unwrap_err().to_string()
-    };
+    let learn = |samples: &[Sample<'_>]| Predictor::learn(&body, samples, &Serial).unwrap_err().to_string();
     assert!(learn(&[]).contains("at least one sample"));
     let short = Sample { field: &set.fields[0][..5], ..set.samples()[0] };
     assert!(learn(&[short]).contains("samples[0].field.len() is 5"));

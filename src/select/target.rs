@@ -142,9 +142,7 @@ pub(crate) fn resolve(set: &ExampleSet, p: &HitParams, hit: &Hit) -> Result<(Out
 fn aimed(set: &ExampleSet, contact: u32, told: &Told) -> DVec3 {
     let normal = set.mesh().contact_normal(contact).unwrap_or(Vec3::Z);
     let mark = Mark { contact, depth: 1.0, energy: Mark::ONE, pairs: told.pairs(normal) };
-    let rows = set.base_lod().rows.as_ref();
-    let at = predicted(set, &mark).zip(rows).map(|((p, _), rows)| p.field.at_vertex(rows, contact));
-    at.unwrap_or_default().as_dvec3()
+    predicted(set, &mark).map_or(DVec3::ZERO, |p| p.moved.as_dvec3())
 }
 
 fn check(hit: &Hit) -> Result<(), Error> {
