@@ -10,10 +10,9 @@ use std::path::Path;
 use std::{env, fs};
 
 /// Each source, and its overrides: what some variants of the kernel cannot do.
-const SOURCES: [(&str, &[&str]); 3] = [
-    ("marks", &["CARRIED", "NORMALS", "TANGENTS", "PACKED"]),
-    ("classic", &["NORMALS", "TANGENTS", "PACKED"]),
+const SOURCES: [(&str, &[&str]); 2] = [
     ("nodes", &["NORMALS", "TANGENTS", "PACKED"]),
+    ("classic", &["NORMALS", "TANGENTS", "PACKED"]),
 ];
 
 const IMMEDIATE: &str = "var<immediate> call: Call;";

@@ -57,6 +57,7 @@ pub use base::error::{Error, ErrorKind};
 pub use base::math::Aabb;
 pub use base::tasks::{Serial, TaskSystem, ThreadPool};
 pub use basis::Basis;
+pub use bake::basis::RuleReport;
 pub use basis::learn::{BasisOptions, BasisReport};
 #[cfg(all(fuzzing, feature = "capi"))]
 #[doc(hidden)]
@@ -67,7 +68,6 @@ pub use contacts::point::ContactPoint;
 pub use contacts::report::{ContactHit, ContactReport};
 pub use damage::mark::{Mark, Pair};
 pub use deform::simd::SimdLevel;
-pub use deform::tolerance::pixel_tolerance;
 pub use deform::{Attribute, DeformReport, Encoding, RawStream, Tracker, VertexMemory};
 pub use example::blow::{Blow, Striker, StrikerShape};
 pub use example::data::{Contact, Deltas, ExampleData, Placement};
@@ -82,7 +82,6 @@ pub use glam;
 pub use instance::Instance;
 pub use instance::archive::{load_all, save_all};
 pub use instance::attachment::{Attachment, Frame};
-pub use instance::basis::RuleReport;
 pub use instance::deform::{DeformJob, deform, deform_within};
 pub use instance::inbox::Inbox;
 pub use instance::mapped::{Mapping, map_damage};

@@ -101,6 +101,7 @@ impl ExampleSet {
             source_order: None,
         });
         set.set_learned(learn(&set, tasks));
+        set.first_basis(tasks)?;
         Ok(set)
     }
 }

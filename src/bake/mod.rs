@@ -1,5 +1,6 @@
 //! Builds an example set from a base mesh and examples. This happens once, at load time or offline.
 
+pub(crate) mod basis;
 pub(crate) mod build;
 pub(crate) mod learn;
 pub(crate) mod lod;

@@ -50,22 +50,6 @@ pub(crate) struct FittedTile {
 }
 
 impl FittedTile {
-    /// Gives a vertex these weights instead of its own.
-    pub(crate) fn set_weights(&mut self, lane: usize, weights: impl Iterator<Item = (u32, i32)>) {
-        self.weights.iter_mut().for_each(|w| w[lane] = 0);
-        for (node, weight) in weights {
-            let at = self.nodes.binary_search(&node).unwrap_or_else(|at| {
-                self.nodes.insert(at, node);
-                self.weights.insert(at, [0; TILE]);
-                if !self.slopes.is_empty() {
-                    self.slopes.insert(at, [[0.0; 2]; TILE]);
-                }
-                at
-            });
-            self.weights[at][lane] = weight;
-        }
-    }
-
     /// Leaves out nodes that nothing follows.
     pub(crate) fn forget_unused(&mut self) {
         let turns = |slopes: &[[f32; 2]; TILE]| slopes.iter().flatten().any(|s| *s != 0.0);
@@ -253,7 +237,7 @@ fn tame(weights: &[f64]) -> bool {
     weights.iter().all(|w| w.abs() <= TAME.0) && weights.iter().map(|w| w.abs()).sum::<f64>() <= TAME.1
 }
 
-fn add_slope(to: &mut [f32; 2], along: [f32; 2], weight: f64) {
+pub(super) fn add_slope(to: &mut [f32; 2], along: [f32; 2], weight: f64) {
     to[0] += along[0] * weight as f32;
     to[1] += along[1] * weight as f32;
 }
@@ -294,7 +278,7 @@ fn substitute(factor: &[f64], n: usize, x: &mut [f64]) {
 }
 
 /// Weights as whole numbers of 1 / [`ONE`] that sum to 1; smaller where their absolute sum would be too large.
-fn rounded(weights: &[f64]) -> Vec<i32> {
+pub(super) fn rounded(weights: &[f64]) -> Vec<i32> {
     let mut whole = whole(weights.iter().map(|w| w * f64::from(ONE)).collect(), ONE);
     while whole.iter().map(|w| w.abs()).sum::<i32>() > MOST_WEIGHT {
         // Rare: nearer to the nearest nodes' mean.

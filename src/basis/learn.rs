@@ -1,6 +1,6 @@
 //! Learns a basis from displacement fields: nodes are added where vertices are wrong, until the tolerance holds.
 
-use super::fit::{FittedTile, Fitting, whole};
+use super::fit::{FittedTile, Fitting, add_slope, rounded, whole};
 use super::nodes::{refine, spread};
 use super::slopes::Slopes;
 use super::{Basis, ONE, Rows, TILE, Tile};
@@ -130,27 +130,50 @@ fn shared(weld: &[u32]) -> Vec<bool> {
 }
 
 impl Rows {
-    /// How the vertices of another mesh of the body follow the same nodes. Fitted to displacement fields of its vertices (m), and
-    /// of the nodes. A vertex at the position of a vertex of the base mesh, `same`, has that one's weights.
+    /// How the vertices of another mesh of the body follow the same nodes: each as a point of the base mesh does, that is as a mean of
+    /// three of its vertices (`at`: vertices and their shares). A vertex that is at one of them has its weights.
     pub(crate) fn of_other_mesh(
         mesh: &Mesh,
-        fields: &[&[Vec3]],
-        (nodes, at_nodes): (&[Vec3], &[Vec<Vec3>]),
-        (base, same): (&Rows, &[Option<u32>]),
+        base: &Rows,
+        at: impl Fn(u32) -> [(u32, f64); 3] + Sync,
         tasks: &dyn TaskSystem,
     ) -> Self {
-        let shared = shared(mesh.weld());
         let slopes = Slopes::of(mesh);
-        let slopes = Some(&slopes).filter(|s| !s.is_empty());
-        let index = &tree(nodes, tasks);
-        let fitting = Fitting { mesh, fields, at_nodes, nodes, index, slopes, shared: &shared };
+        let row = |v: u32| {
+            let mut row: Vec<(u32, f64)> = Vec::new();
+            for (corner, share) in at(v).into_iter().filter(|(_, share)| *share != 0.0) {
+                row.extend(base.of(corner).map(|(node, w)| (node, f64::from(w) / f64::from(ONE) * share)));
+            }
+            row.sort_by_key(|(node, _)| *node);
+            row
+        };
         rows(map(tasks, 0..mesh.positions().len().div_ceil(TILE), |t| {
-            let mut tile = fitting.tile(t);
-            for (lane, like) in same[t * TILE..].iter().take(TILE).enumerate() {
-                if let Some(like) = like {
-                    tile.set_weights(lane, base.of(*like));
+            let range = t * TILE..((t + 1) * TILE).min(mesh.positions().len());
+            let entries = |v: usize| if slopes.is_empty() { &[][..] } else { slopes.entries(v) };
+            // The vertices whose rows the tile needs, and these.
+            let mut needed: Vec<u32> = range.clone().map(|v| v as u32).collect();
+            needed.extend(range.clone().flat_map(entries).map(|(neighbour, _)| *neighbour));
+            needed.sort_unstable();
+            needed.dedup();
+            let found: Vec<Vec<(u32, f64)>> = needed.iter().map(|v| row(*v)).collect();
+            let row = |v: u32| &found[needed.partition_point(|n| *n < v)];
+            let mut nodes: Vec<u32> = found.iter().flatten().map(|(node, _)| *node).collect();
+            nodes.sort_unstable();
+            nodes.dedup();
+            let place = |node: u32| nodes.partition_point(|n| *n < node);
+            let mut weights = vec![[0; TILE]; nodes.len()];
+            let mut turns = vec![[[0.0; 2]; TILE]; if slopes.is_empty() { 0 } else { nodes.len() }];
+            for (lane, v) in range.enumerate() {
+                let mut own = vec![0.0; nodes.len()];
+                row(v as u32).iter().for_each(|(node, w)| own[place(*node)] += w);
+                weights.iter_mut().zip(rounded(&own)).for_each(|(to, w)| to[lane] = w);
+                for (neighbour, along) in entries(v) {
+                    for (node, w) in row(*neighbour) {
+                        add_slope(&mut turns[place(*node)][lane], *along, *w);
+                    }
                 }
             }
+            let mut tile = FittedTile { nodes, weights, slopes: turns };
             tile.forget_unused();
             tile
         }))

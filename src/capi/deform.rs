@@ -23,8 +23,6 @@ pub struct CrumpleDeformReport {
     pub blocks_written: u64,
     /// Blocks that were up to date.
     pub blocks_skipped: u64,
-    /// Examples of marks skipped by tolerances; see crumple_instance_set_tolerance().
-    pub parts_skipped: u64,
     /// Vertices that wait for a later call; see crumple_context_set_vertex_budget().
     pub vertices_waiting: u64,
     pub reserved: [u64; 3],
@@ -96,7 +94,6 @@ pub unsafe extern "C" fn crumple_context_deform(
             vertices_written: report.vertices_written,
             blocks_written: report.blocks_written,
             blocks_skipped: report.blocks_skipped,
-            parts_skipped: report.parts_skipped,
             vertices_waiting: report.vertices_waiting,
             reserved: [0; 3],
         });

@@ -40,8 +40,6 @@ pub struct CrumpleInstanceDef {
     pub max_contact_distance: f32,
     /// Constant of CRUMPLE_RULE_BLEND, 0 to 1. Default 0.
     pub blend_constant: f32,
-    /// Largest position error, m; see crumple_instance_set_tolerance(). Default 0: none.
-    pub tolerance: f32,
     /// How far a blow of 1 N s moves its contact, m per N s, if no example of the set knows its blow. duration and mass of
     /// impulses are then unused. Default 0: duration / mass.
     pub compliance: f32,
@@ -80,7 +78,6 @@ pub extern "C" fn crumple_instance_def_default() -> CrumpleInstanceDef {
         mark_capacity: options.capacity,
         yield_impulse: options.yield_impulse,
         yield_displacement: options.yield_displacement,
-        tolerance: options.tolerance,
         local_to_world: Mat4::IDENTITY.to_cols_array(),
         ..zeroed()
     }
@@ -144,7 +141,6 @@ fn options(def: &CrumpleInstanceDef) -> Result<InstanceOptions, Failure> {
             "m",
             "the body's diagonal",
         )?,
-        tolerance: finite([def.tolerance], "def.tolerance")?[0],
         grow_time: finite([def.grow_time], "def.grow_time")?[0],
         compliance: positive_or(def.compliance, "def.compliance", "m per N s", "duration / mass of each impulse")?,
     })
@@ -275,25 +271,10 @@ pub unsafe extern "C" fn crumple_context_set_time(context: *mut CrumpleContext, 
     })
 }
 
-/// Allows an error of up to tolerance in vertex positions, m, in the mesh's space: small displacements are skipped,
-/// which is cheaper. 0: none. Seams stay closed. Rounded down to a power of two in metres, so that you may set it every
-/// frame; when the rounded value changes, the next deform writes every dented block. Classic rules ignore it.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_instance_set_tolerance(
-    context: *mut CrumpleContext,
-    instance: CrumpleInstance,
-    tolerance: f32,
-) -> CrumpleResult {
-    exclusive("crumple_instance_set_tolerance", context, |_, state| {
-        let tolerance = finite([tolerance], "tolerance")?[0];
-        Ok(state.instances.get_mut(instance, "instance")?.instance.set_tolerance(tolerance)?)
-    })
-}
-
 /// Chooses how finely to show an instance where errors of so many pixels do not matter, such as 0.5. out_lod, which may
 /// be null, receives the level of detail to show: the coarsest whose mean edge covers at most 16 * pixels on screen.
-/// Without levels of detail, sets the tolerance to as many pixels; with them, to 0. distance, m, in the mesh's space:
-/// from the camera to the nearest point of the instance. fov_y: the vertical field of view, radians. viewport_height:
+/// Under a vertex budget, near instances wait less than distant ones. distance, m, in the mesh's space: from the camera
+/// to the nearest point of the instance. fov_y: the vertical field of view, radians. viewport_height:
 /// pixels. Cheap; call it every frame. Not for sets whose further meshes are parts of the body.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_set_view(
@@ -312,12 +293,4 @@ pub unsafe extern "C" fn crumple_instance_set_view(
         out.write(lod as u32);
         Ok(())
     })
-}
-
-/// Returns the length, m, that covers a number of pixels at a distance, m, for a camera as in
-/// crumple_instance_set_view(), or 0 for invalid arguments: negative or NaN, a field of view of 0 or at least pi, a
-/// height of 0.
-#[unsafe(no_mangle)]
-pub extern "C" fn crumple_pixel_tolerance(pixels: f32, distance: f32, fov_y: f32, viewport_height: f32) -> f32 {
-    crate::deform::tolerance::pixel_tolerance(pixels, distance, fov_y, viewport_height)
 }

@@ -76,7 +76,6 @@ pub(super) fn c_report(report: FrameReport) -> CrumpleRecordReport {
         vertices_written: report.vertices_written,
         blocks_written: report.blocks_written,
         blocks_skipped: report.blocks_skipped,
-        parts_skipped: report.parts_skipped,
         bytes_copied: report.bytes_copied,
         dispatches: report.dispatches,
         vertices_waiting: report.vertices_waiting,

@@ -1,6 +1,5 @@
 //! Records when each block last changed.
 
-use super::dent::Dent;
 use crate::example::set::ExampleSet;
 
 /// When each block last changed.
@@ -10,61 +9,34 @@ pub(crate) struct Changes {
     pub instance: u64,
     /// Increases with each change.
     pub epoch: u64,
-    /// Factor of the steps that dents are summed in: see `DamageView::coarse`. When it changes, every block does.
-    pub coarse: f32,
-    /// Whether meshes with rows follow the set's nodes.
-    pub follows: bool,
-    /// For each level of detail, and last the nodes, the epoch of each block's last change. 0 if the block never changed.
+    /// For each mesh of the set, the epoch of each block's last change. 0 if the block never changed.
     pub blocks: Vec<Vec<u64>>,
 }
 
-/// Marks blocks as changed, at a new epoch.
-pub(crate) struct ChangeRecorder<'a> {
-    set: &'a ExampleSet,
-    pub changes: &'a mut Changes,
-    /// Displacements no longer than this are not shown, m.
-    threshold: f32,
-}
-
-impl<'a> ChangeRecorder<'a> {
-    pub(crate) fn new(set: &'a ExampleSet, changes: &'a mut Changes, threshold: f32) -> Self {
-        changes.epoch += 1;
-        Self::at(set, changes, threshold)
-    }
-
-    /// The same at the last epoch.
-    pub(crate) fn at(set: &'a ExampleSet, changes: &'a mut Changes, threshold: f32) -> Self {
-        ChangeRecorder { set, changes, threshold }
-    }
-
-    pub(crate) fn dent(&mut self, d: &Dent) {
-        for (lod, blocks) in self.set.marked().zip(&mut self.changes.blocks) {
-            // Where vertices follow nodes, the nodes that changed mark them.
-            if lod.rows.is_some() && self.changes.follows {
-                continue;
-            }
-            d.mark_blocks(lod, self.threshold, blocks, self.changes.epoch);
+impl Changes {
+    /// Marks the blocks with vertices that follow these nodes, at a new epoch. Without nodes nothing has changed.
+    pub(crate) fn nodes(&mut self, set: &ExampleSet, nodes: &[u32]) {
+        if nodes.is_empty() {
+            return;
         }
-    }
-
-    /// Marks all blocks that an anchored example moves.
-    pub(crate) fn example(&mut self, example: usize) {
-        for (lod, blocks) in self.set.marked().zip(&mut self.changes.blocks) {
-            lod.anchored[example].blocks().for_each(|b| blocks[b as usize] = self.changes.epoch);
-        }
-    }
-
-    /// Marks the blocks with vertices that follow these nodes.
-    pub(crate) fn nodes(&mut self, nodes: &[u32]) {
-        let followers = self.set.nodes().map_or(&[][..], |all| all.followers());
-        for (mesh, blocks) in followers.iter().zip(&mut self.changes.blocks) {
+        self.epoch += 1;
+        for (mesh, blocks) in set.nodes().followers().iter().zip(&mut self.blocks) {
             for node in nodes {
-                mesh.of(*node).iter().for_each(|b| blocks[*b as usize] = self.changes.epoch);
+                mesh.of(*node).iter().for_each(|b| blocks[*b as usize] = self.epoch);
             }
         }
     }
 
+    /// Marks all blocks that an example moves where it was made, at the last epoch.
+    pub(crate) fn example(&mut self, set: &ExampleSet, example: usize) {
+        for (lod, blocks) in set.lods().zip(&mut self.blocks) {
+            lod.anchored[example].blocks().for_each(|b| blocks[b as usize] = self.epoch);
+        }
+    }
+
+    /// Marks all blocks, at a new epoch.
     pub(crate) fn everything(&mut self) {
-        self.changes.blocks.iter_mut().for_each(|b| b.fill(self.changes.epoch));
+        self.epoch += 1;
+        self.blocks.iter_mut().for_each(|b| b.fill(self.epoch));
     }
 }

@@ -14,21 +14,51 @@
 //! contact, stretched by `wide` alone. All contributions are then scaled by `g = T / |sum s_i a_i e_i(c)|`,
 //! so that the contact gets the target depth. Anchored examples are never scaled above 1. Carried examples fade to zero towards held rims ([`crate::mesh::rim`]).
 
-use super::carried::{Carried, Lookup, Placement};
 use super::mark::{MAX_PAIRS, Mark, Pair};
 use super::told::predicted;
 use crate::base::array_vec::ArrayVec;
-use crate::base::math::{Aabb, rotation_between};
+use crate::base::math::rotation_between;
 use crate::basis::field::NodeField;
 use crate::example::mesh_lod::MeshLod;
-use crate::example::options::Seams;
 use crate::example::set::ExampleSet;
-use crate::mesh::vertex_blocks::BLOCK;
+use crate::example::stamp::Stamp;
+use crate::mesh::vertex_blocks::{BLOCK, block_range};
 use glam::{Mat3, Vec3};
 use std::sync::Arc;
 
 /// Limits of a carried example's stretch along the surface.
 const STRETCH: (f32, f32) = (0.25, 4.0);
+
+/// Where a stamp is applied, and how.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Placement {
+    /// Where the stamp's contact lies, m.
+    pub contact: Vec3,
+    /// From the stamp's frame to mesh space: a rotation, with a reflection if the example is mirrored.
+    pub frame: Mat3,
+    /// How many times as wide along the surface.
+    pub stretch: f32,
+}
+
+impl Default for Placement {
+    fn default() -> Self {
+        Placement { contact: Vec3::ZERO, frame: Mat3::IDENTITY, stretch: 1.0 }
+    }
+}
+
+impl Placement {
+    /// Unscaled displacement of a vertex at base position `v`, m.
+    pub(crate) fn displacement(&self, stamp: &Stamp, v: Vec3) -> Vec3 {
+        let p = self.frame.transpose() * (v - self.contact);
+        self.frame * stamp.displacement(Vec3::new(p.x / self.stretch, p.y / self.stretch, p.z))
+    }
+
+    /// The same by one hit alone.
+    pub(crate) fn alone(&self, set: &ExampleSet, example: usize, v: Vec3) -> Vec3 {
+        let at = Placement { stretch: limited(self.stretch), ..*self };
+        set.examples()[example].stamp().map_or(Vec3::ZERO, |s| at.displacement(s, v))
+    }
+}
 
 /// One example of a dent, placed and scaled.
 #[derive(Debug, Clone, Copy, Default)]
@@ -40,31 +70,21 @@ pub(crate) struct PlacedExample {
     pub carried: Option<Placement>,
 }
 
-/// What moves vertices in a dent.
-#[derive(Debug, Clone)]
-pub(crate) enum Part {
-    /// An example where it was made, and the factor for its displacements.
-    Anchored(usize, f32),
-    /// Examples read from their stamps.
-    Carried(Carried),
-    /// Nodes that the set predicts, and the factor for their displacements.
-    Predicted(Arc<NodeField>, f32),
-}
-
-/// A mark prepared for evaluation.
+/// A mark prepared for evaluation: the nodes that it moves.
 #[derive(Debug, Clone)]
 pub(crate) struct Dent {
-    /// Factor for all parts. Repeated hits and hits nearby change it.
+    /// Factor for the field. Repeated hits and hits nearby change it.
     pub strength: f32,
     /// The strength if there were no other mark.
     pub alone: f32,
-    /// Factor for the stretch of all parts; 1 for a hit alone.
+    /// Factor for the stretch of all examples; 1 for a hit alone.
     pub wide: f32,
     pub contact: Vec3,
-    /// The mark's examples as one hit alone places them.
+    /// The mark's examples as one hit alone places them; none if the set predicts the hit.
     examples: ArrayVec<PlacedExample, MAX_PAIRS>,
-    /// What moves vertices: carried examples, then anchored ones in the mark's order.
-    pub parts: Vec<Part>,
+    field: Arc<NodeField>,
+    /// Factor with which the field has the mark's depth.
+    scale: f32,
     pub nearby: Nearby,
 }
 
@@ -85,67 +105,38 @@ pub(crate) struct Nearby {
 }
 
 impl Dent {
-    /// Makes the dent of one hit of a mark, not widened. The mark must be valid.
+    /// Makes the dent of one hit of a mark. It has a field once it is [widened](Dent::widen). The mark must be valid.
     pub(crate) fn of_one_hit(set: &ExampleSet, mark: &Mark) -> Self {
+        let contact = set.mesh().positions()[mark.contact as usize];
+        let (strength, alone, wide, nearby) = (1.0, 1.0, 0.0, Nearby::default());
         if mark.is_predicted() {
-            return Self::of_prediction(set, mark);
+            let (field, scale) = predicted(set, mark).map(|p| (p.predicted.field, p.scale)).unwrap_or_default();
+            return Dent { strength, alone, wide, contact, examples: ArrayVec::new(), field, scale, nearby };
         }
         let rotations = frame_rotations(set, mark.contact, &mark.pairs);
         let examples = place(set, mark.contact, mark.depth, &mark.pairs, &rotations).parts;
-        let contact = set.mesh().positions()[mark.contact as usize];
-        let (strength, nearby) = (1.0, Nearby::default());
-        let mut dent = Dent { strength, alone: 1.0, wide: 0.0, contact, examples, parts: Vec::new(), nearby };
-        dent.widen(set, 1.0);
-        dent
-    }
-
-    fn of_prediction(set: &ExampleSet, mark: &Mark) -> Self {
-        Dent {
-            strength: 1.0,
-            alone: 1.0,
-            wide: 1.0,
-            contact: set.mesh().positions()[mark.contact as usize],
-            examples: ArrayVec::new(),
-            parts: predicted(set, mark).map(|p| Part::Predicted(p.predicted.field, p.scale)).into_iter().collect(),
-            nearby: Nearby::default(),
-        }
+        Dent { strength, alone, wide, contact, examples, field: Arc::default(), scale: 1.0, nearby }
     }
 
     /// Sets the factor for the stretch. A prediction has none.
     pub(crate) fn widen(&mut self, set: &ExampleSet, wide: f32) {
-        if self.wide == wide {
-            return;
-        }
-        if let [Part::Predicted(..)] = &self.parts[..] {
-            self.wide = wide;
-            return;
+        if self.wide != wide && !self.examples.is_empty() {
+            self.field = Arc::new(node_field(set, &self.examples, wide));
         }
         self.wide = wide;
-        self.parts.clear();
-        let mut carried: ArrayVec<(usize, f32, Placement), MAX_PAIRS> = ArrayVec::new();
-        for p in self.examples.iter() {
-            if let Some(at) = p.carried {
-                carried.push((p.example, p.scale, Placement { stretch: limited(at.stretch * wide), ..at }));
-            }
-        }
-        self.parts.extend(Carried::new(set, &carried).map(Part::Carried));
-        for p in self.examples.iter().filter(|p| p.carried.is_none()) {
-            let e = &set.examples()[p.example];
-            let own = Placement { contact: e.contact_point(), frame: e.frame(), stretch: limited(wide) };
-            // Stamps close torn seams.
-            let widened = (wide > 1.0 && set.options().seams == Seams::Weld)
-                .then(|| Carried::new(set, &[(p.example, p.scale, own)]))
-                .flatten();
-            self.parts.push(widened.map_or(Part::Anchored(p.example, p.scale), Part::Carried));
-        }
+    }
+
+    /// The nodes that the dent moves, and what their displacements are multiplied by.
+    pub(crate) fn field(&self) -> (&Arc<NodeField>, f32) {
+        (&self.field, self.scale * self.strength)
     }
 
     /// Displacement of the base vertex `v` by the mark's hit alone, without held rims, m.
     pub(crate) fn alone_at(&self, set: &ExampleSet, v: u32) -> Vec3 {
-        let p = set.mesh().positions()[v as usize];
-        if let ([Part::Predicted(field, scale)], Some(rows)) = (&self.parts[..], &set.base_lod().rows) {
-            return field.at_vertex(rows, v) * *scale;
+        if self.examples.is_empty() {
+            return self.field.at_vertex(&set.base_lod().rows, v) * self.scale;
         }
+        let p = set.mesh().positions()[v as usize];
         let part = |part: &PlacedExample| match &part.carried {
             Some(at) => at.alone(set, part.example, p) * part.scale,
             None => set.examples()[part.example].displacement_at(v, p) * part.scale,
@@ -153,134 +144,98 @@ impl Dent {
         self.examples.iter().fold(Vec3::ZERO, |sum, p| sum + part(p))
     }
 
-    /// The region where the dent may move vertices.
-    pub(crate) fn reach(&self) -> Reach {
-        let radius = |p: &Part| match p {
-            Part::Carried(c) => c.radius() + (c.contact - self.contact).length(),
-            Part::Anchored(..) | Part::Predicted(..) => f32::INFINITY,
-        };
-        let radius = self.parts.iter().map(radius).fold(0.0, f32::max);
-        Reach { contact: self.contact, square: radius * radius }
-    }
-
     /// Squared distance from the contact beyond which a hit alone moves nothing that counts as an overlap, m².
     pub(crate) fn own_reach_square(&self, set: &ExampleSet) -> f32 {
-        let ([Part::Predicted(field, _)], Some(nodes)) = (&self.parts[..], set.nodes()) else {
-            return self.reach().square;
-        };
+        if !self.examples.is_empty() {
+            let radius = |p: &PlacedExample| match p.carried {
+                Some(at) => set.examples()[p.example].stamp().map_or(0.0, |s| s.reach(limited(at.stretch))),
+                None => f32::INFINITY,
+            };
+            let radius = self.examples.iter().map(radius).fold(0.0, f32::max);
+            return radius * radius;
+        }
+        let nodes = &set.nodes().lod;
         // Dents overlap where they move a contact by a third of their depth. A tenth of it leaves room for vertices between nodes.
-        let longest = field.moved().map(|(_, u)| u.length_squared()).fold(0.0, f32::max);
-        let far = field.moved().filter(|(_, u)| u.length_squared() >= 0.01 * longest);
-        far.map(|(n, _)| nodes.lod.mesh.positions()[n as usize].distance_squared(self.contact)).fold(0.0, f32::max)
-    }
-
-    /// Number of stamps that a vertex is looked up in.
-    pub(crate) fn lookups(&self) -> usize {
-        self.parts.iter().map(|p| if let Part::Carried(c) = p { c.lookups.len() } else { 0 }).sum()
-    }
-
-    /// Whether an anchored example with this scale is shown on a level of detail: whether any of its displacements may
-    /// exceed `threshold` (m). Always true for 0.
-    pub(crate) fn shows_anchored(&self, lod: &MeshLod, (example, scale): (usize, f32), threshold: f32) -> bool {
-        let scale = (scale * self.strength).abs();
-        threshold == 0.0 || scale == 0.0 || lod.anchored[example].exceeds(threshold / scale)
-    }
-
-    /// The same for a carried example.
-    pub(crate) fn shows_carried(&self, lookup: &Lookup, threshold: f32) -> bool {
-        threshold == 0.0 || lookup.longest * self.strength > threshold
-    }
-
-    /// Calls `f` for every example and every block it may move, with an upper bound of its displacements there, m.
-    pub(crate) fn lengths(&self, lod: &MeshLod, mut f: impl FnMut(usize, f32)) {
-        for part in &self.parts {
-            match part {
-                Part::Carried(c) => {
-                    for (b, bounds) in lod.block_bounds.iter().enumerate() {
-                        c.reaching(bounds).for_each(|l| f(b, l.longest * self.strength));
-                    }
-                }
-                Part::Anchored(example, scale) => {
-                    let scale = (scale * self.strength).abs();
-                    lod.anchored[*example].heads.iter().for_each(|h| f(h.block as usize, h.longest * scale));
-                }
-                Part::Predicted(..) => {}
-            }
-        }
-    }
-
-    /// Sets the epoch of every block that an example longer than `threshold` (m) may move. 0 includes all examples.
-    pub(crate) fn mark_blocks(&self, lod: &MeshLod, threshold: f32, epochs: &mut [u64], epoch: u64) {
-        for part in &self.parts {
-            match part {
-                Part::Carried(c) => {
-                    let reach = c.radius() * c.radius();
-                    // A hit changes dents near it, which move the same blocks: most are marked already.
-                    for (at, bounds) in epochs.iter_mut().zip(&*lod.block_bounds).filter(|(at, _)| **at != epoch) {
-                        let near = bounds.distance_squared(c.contact) <= reach;
-                        if near && c.reaching(bounds).any(|l| self.shows_carried(l, threshold)) {
-                            *at = epoch;
-                        }
-                    }
-                }
-                Part::Anchored(example, scale) if self.shows_anchored(lod, (*example, *scale), threshold) => {
-                    lod.anchored[*example].heads.iter().for_each(|h| epochs[h.block as usize] = epoch);
-                }
-                Part::Anchored(..) => {}
-                // Vertices follow nodes, so the mesh is that of the nodes.
-                Part::Predicted(field, _) => {
-                    field.nodes().iter().for_each(|n| epochs[*n as usize / BLOCK] = epoch);
-                }
-            }
-        }
-    }
-
-    /// The nodes that predictions of the dent move, and their displacements, m.
-    pub(crate) fn predicted(&self) -> impl Iterator<Item = (u32, Vec3)> {
-        self.parts
-            .iter()
-            .flat_map(|part| match part {
-                Part::Predicted(field, scale) => {
-                    let scale = scale * self.strength;
-                    Some(field.moved().map(move |(n, u)| (n, u * scale)))
-                }
-                _ => None,
-            })
-            .flatten()
+        let longest = self.field.moved().map(|(_, u)| u.length_squared()).fold(0.0, f32::max);
+        let far = self.field.moved().filter(|(_, u)| u.length_squared() >= 0.01 * longest);
+        far.map(|(n, _)| nodes.mesh.positions()[n as usize].distance_squared(self.contact)).fold(0.0, f32::max)
     }
 
     /// Memory that the dent holds, bytes.
     pub(crate) fn memory_bytes(&self) -> usize {
-        let own = |p: &Part| match p {
-            Part::Carried(c) => c.lookups.capacity() * size_of::<Lookup>(),
-            Part::Predicted(field, _) => field.bytes(),
-            Part::Anchored(..) => 0,
+        size_of::<Self>() + self.field.bytes()
+    }
+
+    /// The vertices of a mesh that one hit alone moves by examples, ascending, and their displacements, m.
+    pub(crate) fn alone_on(&self, set: &ExampleSet, mesh: &MeshLod) -> Vec<(u32, Vec3)> {
+        moved(set, &self.examples, 1.0, mesh)
+    }
+}
+
+/// The nodes that placed examples move, stretched by a factor.
+fn node_field(set: &ExampleSet, examples: &[PlacedExample], wide: f32) -> NodeField {
+    NodeField::new(&moved(set, examples, wide, &set.nodes().lod))
+}
+
+/// The vertices of a mesh that placed examples move, stretched by a factor, and their displacements, m.
+fn moved(set: &ExampleSet, examples: &[PlacedExample], wide: f32, mesh: &MeshLod) -> Vec<(u32, Vec3)> {
+    let mut placed = [None; MAX_PAIRS];
+    examples.iter().zip(&mut placed).for_each(|(p, to)| *to = Carried::of(set, p, wide));
+    let mut moved = Vec::new();
+    for (block, bounds) in mesh.block_bounds.iter().enumerate() {
+        let range = block_range(block, mesh.vertex_count());
+        let mut sums = [Vec3::ZERO; BLOCK];
+        let mut any = false;
+        for (p, carried) in examples.iter().zip(&placed) {
+            let reaches = |c: &Carried<'_>| bounds.distance_squared(c.at.contact) <= c.reach_square;
+            if let Some(carried) = carried {
+                if reaches(carried) {
+                    any = true;
+                    let window = mesh.rim.block(block);
+                    for (i, at) in mesh.mesh.positions()[range.clone()].iter().enumerate() {
+                        if at.distance_squared(carried.at.contact) <= carried.reach_square {
+                            let held = window.map_or(1.0, |w| w.factor[i]);
+                            sums[i] += carried.at.displacement(carried.stamp, *at) * (p.scale * held);
+                        }
+                    }
+                }
+            } else if let Some(head) = mesh.anchored[p.example].block(block as u32) {
+                any = true;
+                let stored = mesh.anchored[p.example].displacements(head);
+                sums.iter_mut().take(range.len()).enumerate().for_each(|(i, sum)| *sum += stored.at(i) * p.scale);
+            }
+        }
+        if any {
+            let own = (range.start as u32..).zip(&sums[..range.len()]);
+            moved.extend(own.filter(|(_, u)| **u != Vec3::ZERO).map(|(v, u)| (v, *u)));
+        }
+    }
+    moved
+}
+
+/// An example read from its stamp.
+#[derive(Clone, Copy)]
+struct Carried<'a> {
+    stamp: &'a Stamp,
+    at: Placement,
+    /// Squared distance from the contact beyond which nothing moves, m².
+    reach_square: f32,
+}
+
+impl<'a> Carried<'a> {
+    /// `None` for an example where it was made; one that is wider than it was made is read from its stamp.
+    fn of(set: &'a ExampleSet, placed: &PlacedExample, wide: f32) -> Option<Self> {
+        let e = &set.examples()[placed.example];
+        let stamp = e.stamp()?;
+        let own = Placement { contact: e.contact_point(), frame: e.frame(), stretch: 1.0 };
+        let at = match placed.carried {
+            Some(at) => at,
+            None if wide > 1.0 => own,
+            None => return None,
         };
-        size_of::<Self>() + self.parts.capacity() * size_of::<Part>() + self.parts.iter().map(own).sum::<usize>()
-    }
-}
-
-/// A sphere outside which a dent moves nothing. Its radius is infinite if the dent has an anchored example.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Reach {
-    pub contact: Vec3,
-    /// Squared radius, m².
-    pub square: f32,
-}
-
-impl Reach {
-    /// Whether the dent may move vertices in a box.
-    #[inline(always)]
-    pub(crate) fn meets(&self, bounds: &Aabb) -> bool {
-        bounds.distance_squared(self.contact) <= self.square
-    }
-}
-
-impl Placement {
-    /// Unscaled displacement of a vertex at base position `v` by one hit alone, m.
-    pub(crate) fn alone(&self, set: &ExampleSet, example: usize, v: Vec3) -> Vec3 {
-        let at = Placement { stretch: limited(self.stretch), ..*self };
-        set.examples()[example].stamp().map_or(Vec3::ZERO, |s| at.displacement(s, v))
+        let at = Placement { stretch: limited(at.stretch * wide), ..at };
+        let reach = stamp.reach(at.stretch);
+        Some(Carried { stamp, at, reach_square: reach * reach })
     }
 }
 

@@ -1,23 +1,17 @@
 //! Damage: a short, sorted list of marks. It is the only state of an instance with the default rule.
 
-use super::dent::{Dent, Reach};
+use super::dent::Dent;
 use super::mark::Mark;
 use super::overlap::{change, dent_alone, energy_factor, is_gone, overlap, settle, strength_alone};
-use crate::base::math::Aabb;
 use crate::example::set::ExampleSet;
 use std::cmp::Ordering;
 use twox_hash::XxHash3_64;
-
-/// Called with every dent that a change of the damage adds, alters or removes.
-type Changed<'a> = &'a mut dyn FnMut(&Dent);
 
 /// The sorted marks of one instance and their dents.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Damage {
     marks: Vec<Mark>,
     dents: Vec<Dent>,
-    /// One per dent, in an array of their own because every evaluated block reads all of them.
-    reaches: Vec<Reach>,
 }
 
 impl Damage {
@@ -34,17 +28,11 @@ impl Damage {
         &self.dents
     }
 
-    /// The dents that may move vertices in a box, in order.
-    pub(crate) fn near<'a>(&'a self, bounds: &'a Aabb) -> impl Iterator<Item = &'a Dent> {
-        let near = self.reaches.iter().zip(&self.dents).filter(|(reach, _)| reach.meets(bounds));
-        near.map(|(_, dent)| dent)
-    }
-
     /// Adds new marks. They are sorted first, so the result does not depend on their order. If a mark with the same
     /// contact, depth and pairs exists, it takes the new mark's energy. Above `capacity` the weakest mark (smallest
     /// strength alone times depth) is removed. Its energy, converted by the ratio of depths, goes to the mark with the
     /// nearest contact. Ties go to the first mark in order.
-    pub(crate) fn add(&mut self, set: &ExampleSet, mut new: Vec<Mark>, capacity: usize, changed: Changed<'_>) {
+    pub(crate) fn add(&mut self, set: &ExampleSet, mut new: Vec<Mark>, capacity: usize) {
         if new.is_empty() {
             return;
         }
@@ -57,11 +45,11 @@ impl Damage {
                 list.merge_weakest();
             }
         }
-        self.become_marks(set, list.marks, changed);
+        self.become_marks(set, list.marks);
     }
 
     /// Replaces the marks by others, sorted. Reuses the dents of those that stay.
-    fn become_marks(&mut self, set: &ExampleSet, marks: Vec<Mark>, changed: Changed<'_>) {
+    fn become_marks(&mut self, set: &ExampleSet, marks: Vec<Mark>) {
         let before = std::mem::take(self);
         let mut entries: Vec<Entry> = Vec::with_capacity(before.marks.len() + marks.len());
         walk(&before.marks, &marks, |old, new| {
@@ -75,51 +63,30 @@ impl Damage {
         update_nearby(set, &mut entries);
         self.dents = entries.into_iter().filter(|e| e.after > 0).map(|e| e.dent).collect();
         self.dents.iter_mut().zip(&marks).for_each(|(dent, mark)| settle(set, mark, dent));
-        self.reaches = self.dents.iter().map(Dent::reach).collect();
         self.marks = marks;
-        self.differences(&before, changed);
     }
 
     /// Replaces all marks, which must be valid.
-    pub(crate) fn replace(&mut self, set: &ExampleSet, marks: Vec<Mark>, capacity: usize, changed: Changed<'_>) {
-        self.clear(changed);
-        self.add(set, marks, capacity, changed);
+    pub(crate) fn replace(&mut self, set: &ExampleSet, marks: Vec<Mark>, capacity: usize) {
+        self.clear();
+        self.add(set, marks, capacity);
     }
 
     /// Multiplies the strength that each dent has alone by `keep` of its mark, 0 to 1. Removes marks whose strength alone
     /// falls below a ten-thousandth. Marks that keep 1 do not change.
-    pub(crate) fn scale(&mut self, set: &ExampleSet, keep: impl Fn(&Mark) -> f64, changed: Changed<'_>) {
+    pub(crate) fn scale(&mut self, set: &ExampleSet, keep: impl Fn(&Mark) -> f64) {
         let scaled = |m: &Mark| {
             let keep = keep(m);
             let energy = (m.energy as f64 * energy_factor(keep)) as u64;
             if keep >= 1.0 { Some(*m) } else { (!is_gone(energy)).then_some(Mark { energy, ..*m }) }
         };
         let marks = self.marks.iter().filter_map(scaled).collect();
-        self.become_marks(set, marks, changed);
+        self.become_marks(set, marks);
     }
 
-    pub(crate) fn clear(&mut self, changed: Changed<'_>) {
-        self.dents.iter().for_each(changed);
+    pub(crate) fn clear(&mut self) {
         self.marks.clear();
         self.dents.clear();
-        self.reaches.clear();
-    }
-
-    /// Calls `changed` with every dent that is in only one of the two lists, and with both versions of a dent whose
-    /// strength or width differs.
-    pub(crate) fn differences(&self, other: &Damage, changed: Changed<'_>) {
-        self.changed(other, |a, b| a.into_iter().chain(b).for_each(&mut *changed));
-    }
-
-    /// The same, with both versions side by side.
-    pub(crate) fn changed<'a>(&'a self, other: &'a Damage, mut f: impl FnMut(Option<&'a Dent>, Option<&'a Dent>)) {
-        walk(&self.marks, &other.marks, |a, b| {
-            let (a, b) = (a.map(|a| &self.dents[a]), b.map(|b| &other.dents[b]));
-            let same = |(a, b): (&Dent, &Dent)| a.strength == b.strength && a.wide == b.wide;
-            if !a.zip(b).is_some_and(same) {
-                f(a, b);
-            }
-        });
     }
 
     /// Calls `f` for every mark that is in this list or the other, in order, with what each shows of its dent.
@@ -152,19 +119,13 @@ impl Damage {
                 dent.widen(set, wide);
             }
             all.marks.push(mark);
-            all.reaches.push(dent.reach());
             all.dents.push(dent);
         });
         all
     }
 
     pub(crate) fn memory_bytes(&self) -> usize {
-        self.marks.len() * (size_of::<Mark>() + size_of::<Reach>())
-            + self.dents.iter().map(Dent::memory_bytes).sum::<usize>()
-    }
-
-    pub(crate) fn touch_all(&self, changed: Changed<'_>) {
-        self.dents.iter().for_each(changed);
+        self.marks.len() * size_of::<Mark>() + self.dents.iter().map(Dent::memory_bytes).sum::<usize>()
     }
 }
 

@@ -1,6 +1,5 @@
 //! Damage: marks, their dents, and the blocks that they changed.
 
-pub(crate) mod carried;
 pub(crate) mod changes;
 pub(crate) mod dent;
 pub(crate) mod list;

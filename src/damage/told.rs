@@ -85,7 +85,7 @@ pub(crate) struct PredictedMark {
 
 /// The prediction of a mark. `None` if it has examples, or the set has not learned to predict.
 pub(crate) fn predicted(set: &ExampleSet, mark: &Mark) -> Option<PredictedMark> {
-    let (rule, rows) = (set.rule()?, set.base_lod().rows.as_ref()?);
+    let (rule, rows) = (set.rule()?, &set.base_lod().rows);
     let normal = set.mesh().contact_normal(mark.contact)?;
     let (told, depth) = match Told::of(&mark.pairs, normal)? {
         Told::Displacement(direction) => (predict::Told::Displacement(direction * mark.depth), mark.depth.to_bits()),

@@ -8,7 +8,7 @@ use super::view::DamageView;
 use crate::example::mesh_lod::MeshLod;
 use crate::mesh::vertex_blocks::block_range;
 
-/// Counts as the tolerance of instances that have none, m.
+/// Counts as the error that is not seen where that is not known, m.
 const EXACT: f32 = 1.0 / 4096.0;
 
 /// An output that has something to write.
@@ -28,8 +28,8 @@ impl Due {
         let count = view.set.lods().nth(lod).map_or(0, MeshLod::vertex_count);
         let vertices = tracker.dirty(view.changes, lod).map(|block| block_range(block, count).len() as u64).sum();
         // The area on the screen grows with the vertices and falls with the square of the distance, as does the inverse
-        // square of a tolerance that is some share of a pixel. Waiting makes up for distance.
-        let near = (f64::from(tracker.calls_waited) + 1.0) / f64::from(view.tolerance.max(EXACT));
+        // square of a length that is some share of a pixel. Waiting makes up for distance.
+        let near = (f64::from(tracker.calls_waited) + 1.0) / f64::from(view.unseen.max(EXACT));
         let importance = vertices as f64 * near * near;
         let holds = tracker.since(view.changes, lod).is_some();
         (vertices > 0).then_some(Due { output, vertices, importance: holds.then_some(importance) })

@@ -1,22 +1,18 @@
-//! Computes vertices from marks: a pure function, evaluated one block at a time.
+//! Computes vertices from nodes: a pure function, evaluated one block at a time.
 //!
 //! ```text
-//! S(v) = sum of u_m(v)      position(v) = base(v) + S(v) * min(1, L / |S(v)|)
+//! s(v) = sum over nodes k of w(v, k) U(k)      position(v) = base(v) + s(v) * min(1, L / |s(v)|)
 //! ```
 //!
-//! Anchored examples are summed in the sorted order of their marks with plain f32 operations, carried ones in whole steps
-//! ([`super::sums`]). So the result has the same bits for coincident vertices, for any division into blocks, on any thread and
-//! at any [`crate::SimdLevel`].
+//! Sums are whole numbers ([`super::follow`]). So the result has the same bits for coincident vertices, for any division into
+//! blocks, on any thread and at any [`crate::SimdLevel`].
 
 use super::follow::Following;
-use super::kernel::{Block, Flat, ReadyLookup, ReadyPart, Source, whole};
+use super::kernel::{Flat, whole};
 use super::levels;
-use super::sums::{BlockSums, ChangedDent};
-use super::view::{DamageView, DisplacedVertices, NodeView, may_reach};
+use super::view::{DamageView, DisplacedVertices, NodeView, Shape};
 use crate::base::math::{Aabb, tangent_basis, turned_as, unit};
-use crate::basis::{ONE, Rows, TILE};
-use crate::damage::dent::{Dent, Part};
-use crate::example::blocks::Stored;
+use crate::basis::{ONE, TILE};
 use crate::example::mesh_lod::MeshLod;
 use crate::mesh::Mesh;
 use crate::mesh::vertex_blocks::{BLOCK, block_range};
@@ -37,238 +33,58 @@ pub(crate) fn vertex(view: &DamageView<'_>, lod: &MeshLod, v: usize) -> (Vec3, O
     let (mut positions, mut normals): (Flat, Flat) = ([0.0; 3 * BLOCK], [0.0; 3 * BLOCK]);
     let some = lod.mesh.normals().is_some();
     let job = BlockJob { view, lod, block };
-    let mut bounds = Aabb::EMPTY;
-    self::block(job, &mut Scratch::new(), None, &mut positions[..n], some.then_some(&mut normals[..n]), &mut bounds);
+    self::block(job, &mut Scratch::new(), &mut positions[..n], some.then_some(&mut normals[..n]));
     let at = |f: &Flat| Vec3::new(f[3 * i], f[3 * i + 1], f[3 * i + 2]);
     (at(&positions), some.then(|| at(&normals)))
 }
 
 /// Memory reused between blocks.
-pub(crate) struct Scratch<'a> {
-    parts: Vec<ReadyPart<'a>>,
-    lookups: Vec<ReadyLookup<'a>>,
+pub(crate) struct Scratch {
     /// The steps of a tile's nodes.
     moves: Vec<[i32; 3]>,
-    /// Number of parts that the tolerance has left out of blocks so far.
-    pub left_out: u32,
     base: Flat,
     base_normals: Flat,
     positions: Flat,
     normals: Flat,
 }
 
-impl Scratch<'_> {
+impl Scratch {
     pub(crate) fn new() -> Self {
         let zero = [0.0; 3 * BLOCK];
-        Scratch {
-            parts: Vec::new(),
-            lookups: Vec::new(),
-            moves: Vec::new(),
-            left_out: 0,
-            base: zero,
-            base_normals: zero,
-            positions: zero,
-            normals: zero,
-        }
+        Scratch { moves: Vec::new(), base: zero, base_normals: zero, positions: zero, normals: zero }
     }
 }
 
-/// Whether the dents that changed have fewer look-ups in the block than all dents there are.
-#[inline(always)]
-fn fewer(job: BlockJob<'_>, changed: &[ChangedDent<'_>]) -> bool {
-    let bounds = &job.lod.block_bounds[job.block];
-    let near = changed.iter().filter(|c| c.reach.meets(bounds));
-    let changed: usize = near.map(|c| c.dent.lookups()).sum();
-    let all: usize = job.view.damage.near(bounds).map(Dent::lookups).sum();
-    changed < all
-}
-
-/// Collects in `scratch`, in order, the parts of the instance's dents that move vertices of the block. If the dents that
-/// `changed` are given, these take the place of all carried examples.
-#[inline(always)]
-fn active<'a>(
-    job: BlockJob<'a>,
-    changed: Option<&'a [ChangedDent<'a>]>,
-    normals: bool,
-    scratch: &mut Scratch<'a>,
-) -> Touched {
-    scratch.parts.clear();
-    scratch.lookups.clear();
-    let bounds = &job.lod.block_bounds[job.block];
-    let mut touched = Touched { dents: 0, longest: 0.0, stored: false };
-    let which = if changed.is_some() { Which::Anchored } else { Which::All };
-    job.view.damage.near(bounds).for_each(|dent| add_dent(job, (dent, 1.0, which), normals, scratch, &mut touched));
-    for ChangedDent { dent, reach, sign } in changed.into_iter().flatten() {
-        if reach.meets(bounds) {
-            add_dent(job, (dent, *sign, Which::Carried), normals, scratch, &mut touched);
-        }
-    }
-    touched
-}
-
-/// Parts of a dent.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Which {
-    All,
-    Anchored,
-    Carried,
-}
-
-/// Adds parts of a dent, with a sign, to those of the block.
-#[inline(always)]
-fn add_dent<'a>(
-    job: BlockJob<'a>,
-    (dent, sign, which): (&'a Dent, f32, Which),
-    normals: bool,
-    scratch: &mut Scratch<'a>,
-    touched: &mut Touched,
-) {
-    let Scratch { parts, lookups, left_out, .. } = scratch;
-    let (lod, examples) = (job.lod, job.view.set.examples());
-    let bounds = &lod.block_bounds[job.block];
-    let before = parts.len();
-    for part in &dent.parts {
-        let scale = sign * dent.strength * if let Part::Anchored(_, scale) = part { *scale } else { 1.0 };
-        let threshold = if scale == 0.0 { 0.0 } else { job.view.threshold / scale.abs() };
-        let source = match part {
-            Part::Carried(_) if which == Which::Anchored => continue,
-            Part::Anchored(..) if which == Which::Carried => continue,
-            Part::Carried(carried) => {
-                let first = lookups.len();
-                for lookup in carried.reaching(bounds) {
-                    let Some(stamp) = examples[lookup.example].stamp() else { continue };
-                    if threshold == 0.0 || lookup.longest > threshold {
-                        lookups.push(ReadyLookup(lookup, &stamp.nodes));
-                        touched.longest += lookup.longest * scale.abs();
-                    } else {
-                        *left_out += 1;
-                    }
-                }
-                (lookups.len() > first).then_some(Source::Carried(carried, first..lookups.len()))
-            }
-            // Nodes sum these; vertices follow nodes.
-            Part::Predicted(..) => continue,
-            Part::Anchored(example, _) => {
-                let anchored = &lod.anchored[*example];
-                let Some(head) = anchored.block(job.block as u32) else { continue };
-                // The normals are applied in all blocks or in none, so that they agree where blocks meet.
-                let shown = threshold == 0.0 || head.longest > threshold || (normals && anchored.exceeds(threshold));
-                let changes = if normals { anchored.normals(head) } else { Stored::NOTHING };
-                *left_out += u32::from(!shown);
-                touched.longest += if shown { head.longest * scale.abs() } else { 0.0 };
-                touched.stored |= shown;
-                shown.then(|| Source::Stored(anchored.displacements(head), changes))
-            }
-        };
-        parts.extend(source.map(|source| ReadyPart { source, scale, threshold, last: false }));
-    }
-    if let Some(last) = parts[before..].last_mut() {
-        last.last = true;
-        touched.dents += 1;
-    }
-}
-
-/// Summary of what moves a block.
-struct Touched {
-    dents: usize,
-    /// The most that all of them together can move a vertex, m.
-    longest: f32,
-    /// Whether some of them are anchored examples.
-    stored: bool,
-}
-
-/// Writes positions (m) and, if wanted, unit normals: exactly three floats per vertex of the block. Also writes the
-/// bounds of the positions. Writes no normals if the mesh has none. With `kept` sums, and the dents that changed since, only
-/// these and anchored examples are evaluated, for the same bits.
-pub(crate) fn block<'a>(
-    job: BlockJob<'a>,
-    scratch: &mut Scratch<'a>,
-    mut kept: Option<(&mut BlockSums, &'a [ChangedDent<'a>])>,
+/// Writes positions (m) and, if wanted, unit normals: exactly three floats per vertex of the block. Returns the bounds of the
+/// positions. Writes no normals if the mesh has none.
+pub(crate) fn block(
+    job: BlockJob<'_>,
+    scratch: &mut Scratch,
     positions: &mut [f32],
     normals: Option<&mut [f32]>,
-    bounds: &mut Aabb,
-) {
+) -> Aabb {
     let mesh = &job.lod.mesh;
     let range = block_range(job.block, job.lod.vertex_count());
     assert!(positions.len() == 3 * range.len() && normals.as_ref().is_none_or(|n| n.len() == 3 * range.len()));
     let base: &[f32] = bytemuck::cast_slice(&mesh.positions()[range.clone()]);
     let base_normals: Option<&[f32]> = mesh.normals().map(|n| bytemuck::cast_slice(&n[range.clone()]));
     let normals = normals.zip(base_normals);
-    if let (Some(rows), Some(nodes)) = (&job.lod.rows, &job.view.nodes) {
-        *bounds = followed(job, (rows, nodes), scratch, base, positions, normals);
-        return;
-    }
-    if let Some(state) = job.view.vertices {
-        *bounds = given(state, mesh, range.start, positions, normals);
-        return;
-    }
-    let mut normals = normals;
-    if kept.is_none() && lone(job, base, positions, &mut normals, bounds) {
-        return;
-    }
-    let changed = kept.as_mut().and_then(|(sums, changed)| {
-        let pays = sums.known && fewer(job, changed);
-        if sums.known && !pays {
-            **sums = BlockSums::UNKNOWN;
-        }
-        pays.then_some(*changed)
-    });
-    let mut touched = active(job, changed, normals.is_some(), scratch);
-    if changed.is_some() {
-        // Others contribute as well. Limits that are not reached change no bit.
-        touched.longest = f32::INFINITY;
-    } else if touched.dents == 0 {
-        positions.copy_from_slice(base);
-        if let Some((normals, base)) = normals {
-            normals.copy_from_slice(base);
-        }
-        *bounds = job.lod.block_bounds[job.block];
-        return;
-    }
-    let block = Block {
-        base: whole(base, &mut scratch.base),
-        base_normals: normals.as_ref().map(|(_, base)| whole(base, &mut scratch.base_normals)),
-        len: range.len(),
-        parts: &scratch.parts,
-        lookups: &scratch.lookups,
-        window: job.lod.rim.block(job.block),
-        step: job.view.step(),
-        turn_step: job.view.turn_step(),
-        limit: job.view.limit(touched.longest),
-        own: DamageView::own_limits(mesh, job.block, touched.longest),
-    };
-    // The last block of a mesh may be short.
-    let short = range.len() < BLOCK;
-    let to = if short { &mut scratch.positions } else { into(positions, &mut scratch.positions) };
-    let mut normals = normals.map(|(n, _)| n);
-    let to_normals = match &mut normals {
-        Some(n) if !short => into(n, &mut scratch.normals),
-        _ => &mut scratch.normals,
-    };
-    let carried = kept.is_some() || !block.lookups.is_empty();
-    let sums = kept.map(|(kept, _)| {
-        kept.known = true;
-        &mut kept.sums
-    });
-    (bounds.min, bounds.max) = levels::displace(&block, (touched.stored, carried), sums, to, to_normals);
-    if short {
-        positions.copy_from_slice(&scratch.positions[..positions.len()]);
-        if let Some(n) = normals {
-            n.copy_from_slice(&scratch.normals[..n.len()]);
-        }
+    match job.view.shape {
+        Shape::Nodes(nodes) => followed(job, nodes, scratch, base, positions, normals),
+        Shape::Vertices(state) => given(state, mesh, range.start, positions, normals),
     }
 }
 
 /// The vertices of a block that follow nodes.
 fn followed(
     job: BlockJob<'_>,
-    (rows, nodes): (&Rows, &NodeView<'_>),
-    scratch: &mut Scratch<'_>,
+    nodes: NodeView<'_>,
+    scratch: &mut Scratch,
     base: &[f32],
     positions: &mut [f32],
     normals: Option<(&mut [f32], &[f32])>,
 ) -> Aabb {
-    let vertices = job.lod.vertex_count();
+    let (vertices, rows) = (job.lod.vertex_count(), &job.lod.rows);
     let first = job.block * (BLOCK / TILE);
     let short = base.len() < 3 * BLOCK;
     let (mut normals, base_normals) = normals.unzip();
@@ -278,7 +94,6 @@ fn followed(
         base_normals: whole_normals,
         positions: short_to,
         normals: short_normals,
-        ..
     } = scratch;
     let whole_base = whole(base, whole_base);
     let whole_normals = base_normals.map(|base| whole(base, whole_normals));
@@ -338,38 +153,6 @@ fn followed(
         }
     }
     bounds
-}
-
-/// The fast path for a block that a single anchored example moves by less than the depth limit: one pass, limited by
-/// memory bandwidth. Writes the same bits as the general path. Returns false and writes nothing if the path does not
-/// apply. It does not apply to a short block if normals are wanted.
-#[inline(always)]
-fn lone(
-    job: BlockJob<'_>,
-    base: &[f32],
-    positions: &mut [f32],
-    normals: &mut Option<(&mut [f32], &[f32])>,
-    bounds: &mut Aabb,
-) -> bool {
-    let mut near = job.view.damage.near(&job.lod.block_bounds[job.block]);
-    let (Some(dent), None) = (near.next(), near.next()) else { return false };
-    let [Part::Anchored(example, scale)] = &dent.parts[..] else { return false };
-    let anchored = &job.lod.anchored[*example];
-    let (Some(head), scale) = (anchored.block(job.block as u32), scale * dent.strength) else { return false };
-    let longest = head.longest * scale.abs();
-    if job.view.threshold > 0.0
-        || may_reach(longest, job.view.depth_limit)
-        || DamageView::own_limits(&job.lod.mesh, job.block, longest).is_some()
-    {
-        return false;
-    }
-    if let Some((to, base)) = normals {
-        let (Some(to), Some(base)) = (to.first_chunk_mut(), base.first_chunk()) else { return false };
-        levels::turn_stored(base, &anchored.normals(head), scale, to);
-    }
-    let stored = anchored.displacements(head);
-    (bounds.min, bounds.max) = levels::displace_stored(base, &stored, scale, positions);
-    true
 }
 
 /// A whole block to write to: `to`, or `scratch` if `to` is short.

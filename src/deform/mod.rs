@@ -1,4 +1,4 @@
-//! Deformation on the CPU: computes vertices from marks. Evaluates the dirty blocks of any number of outputs in
+//! Deformation on the CPU: computes vertices from nodes. Evaluates the dirty blocks of any number of outputs in
 //! parallel and writes them into the caller's memory. Knows neither instances nor hits.
 
 pub(crate) mod budget;
@@ -10,8 +10,6 @@ mod levels;
 mod memory;
 pub(crate) mod nodes;
 pub(crate) mod simd;
-mod sums;
-pub(crate) mod tolerance;
 mod tracker;
 pub(crate) mod view;
 
@@ -21,28 +19,22 @@ pub use tracker::Tracker;
 
 #[cfg(feature = "gpu")]
 pub(crate) use encoding::{octahedral_normal, octahedral_tangent};
-pub(crate) use levels::longest;
 
 use crate::base::error::{Error, reserve};
 use crate::base::math::Aabb;
 use crate::base::tasks::{Serial, TaskSystem, run_each};
-use crate::damage::dent::Dent;
 use crate::example::mesh_lod::MeshLod;
 use crate::mesh::vertex_blocks::{BLOCK, block_range};
 use glam::Vec3;
 use memory::Scattered;
-use std::sync::atomic::{AtomicU64, Ordering};
-use sums::{BlockSums, ChangedDent, KeptSums, Update};
 use view::DamageView;
 
 /// The most blocks that one task evaluates.
 const BLOCKS_A_TASK: usize = 64;
 /// The fewest tasks per worker, if there are enough blocks.
 const TASKS_A_WORKER: usize = 8;
-/// Work below this, about 60 microseconds, is done on the caller's thread: waking another can take as long. In units of
-/// one block that a single anchored example moves; a look-up in a stamp is `LOOKUP` units.
-const SMALL: usize = 512;
-const LOOKUP: usize = 2;
+/// Blocks below this, about 60 microseconds, are written on the caller's thread: waking another can take as long.
+const SMALL: usize = 256;
 
 /// What a deform did.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -53,8 +45,6 @@ pub struct DeformReport {
     pub blocks_written: u64,
     /// Blocks that were up to date.
     pub blocks_skipped: u64,
-    /// Parts (one example of one mark) that the tolerance left out, summed over the blocks written.
-    pub parts_skipped: u64,
     /// Vertices that wait for a later call because of the budget.
     pub vertices_waiting: u64,
 }
@@ -120,31 +110,13 @@ pub(crate) fn write_outputs(
     // (output, block) of each work item, in the order of outputs.
     let most: usize = outputs.iter().map(|output| output.dirty().count()).sum();
     let mut items: Vec<(u32, u32)> = reserve(most, "the blocks to deform")?;
-    let mut work = 0;
     for (o, output) in outputs.iter().enumerate().filter(|(o, _)| !waits(*o)) {
-        let before = items.len();
         items.extend(output.dirty().map(|block| (o as u32, block as u32)));
-        // As if one dent moved each block.
-        let lookups = output.view.damage.dents().iter().map(Dent::lookups).max().unwrap_or(0);
-        work += (items.len() - before) * (1 + LOOKUP * lookups);
     }
-    let mut kept = reserve(outputs.len(), "kept sums")?;
-    for (o, output) in outputs.iter_mut().enumerate() {
-        let old = if waits(o) { None } else { output.tracker.sums.take() };
-        kept.push(if waits(o) {
-            None
-        } else {
-            KeptSums::renewed(old, &output.view, output.lod, output.with_normals())
-        });
-    }
-    let mut updates = reserve(outputs.len(), "kept sums")?;
-    updates
-        .extend(kept.iter_mut().zip(&*outputs).map(|(kept, output)| Some(kept.as_mut()?.update(output.view.damage))));
-    let tasks = if work < SMALL && tasks.sleeps() { &Serial } else { tasks };
     let total = items.len();
+    let tasks = if total < SMALL && tasks.sleeps() { &Serial } else { tasks };
     let mut bounds = reserve(total, "the bounds of blocks")?;
     bounds.resize(total, Aabb::EMPTY);
-    let parts_skipped = AtomicU64::new(0);
     {
         let slots = Scattered::new(&mut bounds);
         let outputs = &*outputs;
@@ -156,23 +128,11 @@ pub(crate) fn write_outputs(
             for (i, (output, block)) in items[from..(from + chunk).min(total)].iter().enumerate() {
                 // SAFETY: item `from + i` belongs to this task alone, and `run_each` runs a task once.
                 let bounds = unsafe { slots.at(from + i) };
-                let kept = updates[*output as usize].as_ref().map(|update: &Update<'_>| {
-                    // SAFETY: the same item.
-                    (unsafe { update.blocks.at(*block as usize) }, &update.dents[..])
-                });
-                write_block(&outputs[*output as usize], *block as usize, kept, &mut scratch, bounds);
+                *bounds = write_block(&outputs[*output as usize], *block as usize, &mut scratch);
             }
-            parts_skipped.fetch_add(scratch.evaluate.left_out.into(), Ordering::Relaxed);
         });
     }
-    drop(updates);
-    for (kept, output) in kept.into_iter().zip(outputs.iter_mut()) {
-        if let Some(mut kept) = kept {
-            kept.shows(output.view.damage);
-            output.tracker.sums = Some(kept);
-        }
-    }
-    let mut report = DeformReport { parts_skipped: parts_skipped.into_inner(), ..DeformReport::default() };
+    let mut report = DeformReport::default();
     for due in &waiting {
         outputs[due.output].tracker.waits();
         report.vertices_waiting += due.vertices;
@@ -193,19 +153,14 @@ pub(crate) fn write_outputs(
 }
 
 /// Memory that a task reuses from block to block.
-struct Scratch<'a> {
-    evaluate: evaluate::Scratch<'a>,
+struct Scratch {
+    evaluate: evaluate::Scratch,
     positions: kernel::Flat,
     normals: kernel::Flat,
 }
 
-fn write_block<'a>(
-    output: &'a Output<'_, '_>,
-    block: usize,
-    kept: Option<(&mut BlockSums, &'a [ChangedDent<'a>])>,
-    scratch: &mut Scratch<'a>,
-    bounds: &mut Aabb,
-) {
+/// Writes a block and returns the bounds of its positions.
+fn write_block(output: &Output<'_, '_>, block: usize, scratch: &mut Scratch) -> Aabb {
     let (mesh, memory) = (output.mesh, output.memory);
     let job = evaluate::BlockJob { view: &output.view, lod: mesh, block };
     let range = block_range(block, mesh.vertex_count());
@@ -213,15 +168,16 @@ fn write_block<'a>(
     let Scratch { evaluate: scratch, positions, normals } = scratch;
     let wanted = output.with_normals().then_some(&mut normals[..n]);
     // SAFETY: `check` passed for all vertices; the blocks of an output are distinct and outputs do not overlap.
-    match unsafe { memory.positions(range.clone()) } {
-        Some(positions) => evaluate::block(job, scratch, kept, positions, wanted, bounds),
+    let bounds = match unsafe { memory.positions(range.clone()) } {
+        Some(positions) => evaluate::block(job, scratch, positions, wanted),
         None => {
             let positions = &mut positions[..n];
-            evaluate::block(job, scratch, kept, positions, wanted, bounds);
+            let bounds = evaluate::block(job, scratch, positions, wanted);
             // SAFETY: the same.
             unsafe { memory.write_positions(range.start, positions) };
+            bounds
         }
-    }
+    };
     let normals = &normals[..n];
     if memory.has_normals() {
         // SAFETY: the same.
@@ -234,4 +190,5 @@ fn write_block<'a>(
             unsafe { memory.write_tangent(range.start + i, tangent) };
         }
     }
+    bounds
 }

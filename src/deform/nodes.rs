@@ -1,111 +1,149 @@
 //! The displacements of an instance's nodes, which its vertices follow ([`crate::basis`]).
+//!
+//! A node's displacement is the sum of those by all dents. Each dent contributes whole numbers of a tiny unit, so contributions can be
+//! taken away again, and the sums have the same bits whatever happened before.
 
-use super::view::{DamageView, NodeSteps, NodeView};
-use super::{Output, Tracker, VertexMemory, write_outputs};
+use super::view::{NodeSteps, NodeView};
 use crate::base::error::{Error, reserve};
-use crate::base::tasks::Serial;
 use crate::basis::FREE;
-use crate::example::mesh_lod::MeshLod;
-use crate::mesh::vertex_blocks::BLOCK;
-use glam::Vec3;
+use crate::basis::field::NodeField;
+use crate::damage::list::Damage;
+use crate::damage::mark::Mark;
+use glam::{I64Vec3, Vec3};
+use std::cmp::Ordering;
+use std::sync::Arc;
 
 /// The displacements of all nodes, as of the last update.
 #[derive(Debug)]
 pub(crate) struct NodeState {
-    tracker: Tracker,
-    /// m.
-    positions: Vec<[f32; 3]>,
-    /// What predicted dents add to nodes, m; empty if there never was one.
-    predicted: Vec<Vec3>,
+    /// What the sums hold, sorted by mark.
+    shown: Vec<Shown>,
+    /// In units.
+    sums: Vec<I64Vec3>,
+    /// Of sums, m; a power of two.
+    unit: f32,
     steps: Vec<NodeSteps>,
     /// m; a power of two.
     step: f32,
-    /// Nodes whose steps the last update changed.
-    changed: Vec<u32>,
+    /// The depth limit of the last update, and the largest of any, m.
+    limit: f32,
+    most: f32,
+    /// Nodes whose sums an update changes, and whether each node is among them.
+    touched: Vec<u32>,
+    is_touched: Vec<bool>,
+}
+
+/// A dent that the sums hold.
+#[derive(Debug)]
+struct Shown {
+    mark: Mark,
+    field: Arc<NodeField>,
+    factor: f32,
 }
 
 impl NodeState {
-    /// As many nodes, none of them displaced.
+    /// As many nodes, none of them displaced, of a set with this depth limit, m.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`].
-    pub(crate) fn new(nodes: usize) -> Result<Self, Error> {
-        let (mut positions, mut steps) = (reserve(nodes, "nodes")?, reserve(nodes, "nodes")?);
-        positions.resize(nodes, [0.0; 3]);
+    pub(crate) fn new(nodes: usize, own_limit: f32) -> Result<Self, Error> {
+        let (mut sums, mut steps) = (reserve(nodes, "nodes")?, reserve(nodes, "nodes")?);
+        let mut is_touched = reserve(nodes, "nodes")?;
+        sums.resize(nodes, I64Vec3::ZERO);
         steps.resize(nodes, [0; 4]);
-        let predicted = Vec::new();
-        Ok(Self { tracker: Tracker::new(), positions, predicted, steps, step: 0.0, changed: reserve(nodes, "nodes")? })
+        is_touched.resize(nodes, false);
+        let touched = reserve(nodes, "nodes")?;
+        let unit = power(own_limit.clamp(LEAST, MOST_METRES)) * UNIT;
+        let most = MOST_LIMITS * own_limit;
+        Ok(Self { shown: Vec::new(), sums, unit, steps, step: 0.0, limit: 0.0, most, touched, is_touched })
     }
 
     pub(crate) fn view(&self) -> NodeView<'_> {
         NodeView { steps: &self.steps, step: self.step }
     }
 
-    /// Computes the nodes that the damage changed; `lod` is their number among the meshes of `view.changes`. Returns those whose
-    /// steps changed.
-    ///
-    /// # Errors
-    /// [`Error::OutOfMemory`]. Then the nodes are computed by the next update.
-    pub(crate) fn update(&mut self, view: &DamageView<'_>, nodes: &MeshLod, lod: usize) -> Result<&[u32], Error> {
-        let memory = VertexMemory::separate(&mut self.positions, None, None)?;
-        let tracker = &mut self.tracker;
-        let unlimited = DamageView { depth_limit: f32::MAX, ..*view };
-        write_outputs(
-            &mut [Output { view: unlimited, lod, mesh: nodes, tracker, memory: &memory }],
-            u64::MAX,
-            &Serial,
-        )?;
-        self.changed.clear();
-        self.add_predicted(view);
-        let limit = view.depth_limit.min(MOST_LIMITS * view.set.depth_limit());
-        let step = step(limit);
-        let before = std::mem::replace(&mut self.step, step);
-        // The steps of the first update replace zeros.
-        let all = before != step && before != 0.0;
-        let every = 0..self.positions.len() as u32;
-        for v in if all { std::slice::from_ref(&every) } else { self.tracker.changed() }.iter().cloned().flatten() {
-            let at = v as usize;
-            let predicted = self.predicted.get(at).copied().unwrap_or_default();
-            let moved = Vec3::from(self.positions[at]) - nodes.mesh.positions()[at] + predicted;
+    /// Shows the damage, with nodes that approach `limit` (m). Returns the nodes whose steps changed.
+    pub(crate) fn show(&mut self, damage: &Damage, limit: f32) -> &[u32] {
+        let limit = limit.min(self.most);
+        self.touched.clear();
+        let everything = self.limit != limit;
+        if everything {
+            self.touched.extend(0..self.sums.len() as u32);
+            self.is_touched.fill(true);
+            (self.limit, self.step) = (limit, step(limit));
+        }
+        let before = std::mem::take(&mut self.shown);
+        let mut old = before.iter().peekable();
+        let dents = damage.marks().iter().zip(damage.dents());
+        self.shown.reserve(dents.len());
+        for (mark, dent) in dents {
+            while let Some(gone) = old.next_if(|o| o.mark.key().cmp(&mark.key()) == Ordering::Less) {
+                self.add(&gone.field, gone.factor, -1);
+            }
+            let (field, factor) = dent.field();
+            match old.next_if(|o| o.mark.key() == mark.key()) {
+                Some(same) if same.factor == factor && Arc::ptr_eq(&same.field, field) => {}
+                other => {
+                    if let Some(other) = other {
+                        self.add(&other.field, other.factor, -1);
+                    }
+                    self.add(field, factor, 1);
+                }
+            }
+            self.shown.push(Shown { mark: *mark, field: field.clone(), factor });
+        }
+        for gone in old {
+            self.add(&gone.field, gone.factor, -1);
+        }
+        let (limit, step, unit) = (self.limit, self.step, self.unit);
+        let Self { touched, is_touched, sums, steps, .. } = self;
+        touched.retain(|node| {
+            let at = *node as usize;
+            is_touched[at] = false;
+            let moved = sums[at].as_vec3() * unit;
             let [x, y, z] = (soft(moved, limit) / step).to_array().map(|x| libm::roundf(x.clamp(-MOST, MOST)) as i16);
-            if all || self.steps[at] != [x, y, z, 0] {
-                self.steps[at] = [x, y, z, 0];
-                self.changed.push(v);
-            }
-        }
-        Ok(&self.changed)
+            let before = std::mem::replace(&mut steps[at], [x, y, z, 0]);
+            before != steps[at] || everything && before != [0; 4]
+        });
+        touched
     }
 
-    /// Sums what predicted dents move, for the nodes of the blocks that changed; in the order of the marks, so that the sums have the
-    /// same bits on every machine.
-    fn add_predicted(&mut self, view: &DamageView<'_>) {
-        let dents = || view.damage.dents().iter().filter(|dent| dent.predicted().next().is_some());
-        if self.predicted.is_empty() && dents().next().is_none() {
-            return;
-        }
-        let nodes = self.positions.len();
-        self.predicted.resize(nodes, Vec3::ZERO);
-        let mut summed = vec![false; nodes.div_ceil(BLOCK)];
-        for range in self.tracker.changed() {
-            let blocks = range.start as usize / BLOCK..(range.end as usize).div_ceil(BLOCK);
-            self.predicted[blocks.start * BLOCK..(blocks.end * BLOCK).min(nodes)].fill(Vec3::ZERO);
-            summed[blocks].fill(true);
-        }
-        for dent in dents() {
-            for (node, u) in dent.predicted().filter(|(node, _)| summed[*node as usize / BLOCK]) {
-                self.predicted[node as usize] += u;
+    /// Adds what a dent moves to the sums, or takes it away.
+    fn add(&mut self, field: &NodeField, factor: f32, sign: i64) {
+        // The same numbers whenever the same dent comes or goes.
+        let per_unit = f64::from(factor) / f64::from(self.unit);
+        for (node, u) in field.moved() {
+            let units = (u.as_dvec3() * per_unit).to_array().map(|x| libm::round(x.clamp(-MOST_UNITS, MOST_UNITS)) as i64);
+            let at = node as usize;
+            self.sums[at] += I64Vec3::from_array(units) * sign;
+            if !self.is_touched[at] {
+                self.is_touched[at] = true;
+                self.touched.push(node);
             }
         }
     }
 
-    /// Memory used, bytes.
+    /// Memory used, bytes. Fields are those of the damage.
     pub(crate) fn memory_bytes(&self) -> usize {
-        self.predicted.capacity() * 12
-            + self.positions.capacity() * 12
-            + self.steps.capacity() * 8
-            + self.changed.capacity() * 4
+        self.shown.capacity() * size_of::<Shown>()
+            + self.sums.capacity() * size_of::<I64Vec3>()
+            + self.steps.capacity() * size_of::<NodeSteps>()
+            + self.touched.capacity() * size_of::<u32>()
+            + self.is_touched.capacity()
     }
 }
+
+/// Nodes move no further than this many times the set's own depth limit, whatever that of the instance: so that steps stay fine.
+const MOST_LIMITS: f32 = 16.0;
+/// The unit of sums, as a share of the set's depth limit.
+const UNIT: f32 = 1.0 / (1u64 << 32) as f32;
+/// The most that a dent contributes, in units: 256 times the set's depth limit. Millions of dents do not overflow a sum.
+const MOST_UNITS: f64 = (1u64 << 40) as f64;
+/// Units and their inverses are floats for bodies of all sizes.
+const LEAST: f32 = 1e-20;
+const MOST_METRES: f32 = 1e20;
+/// The most steps.
+const MOST: f32 = 32767.0;
 
 /// A displacement that approaches the depth limit instead of being cut to it, so that many dents leave no plateau: up to [`FREE`] of
 /// the limit it is `u`, beyond it grows ever more slowly. Only IEEE operations.
@@ -119,16 +157,15 @@ fn soft(u: Vec3, limit: f32) -> Vec3 {
     u * ((free + rest * (beyond / (rest + beyond))) / length)
 }
 
-/// Nodes move no further than this many times the set's own depth limit, whatever that of the instance: so that steps stay fine.
-const MOST_LIMITS: f32 = 16.0;
-/// The most steps.
-const MOST: f32 = 32767.0;
-
 /// The step for displacements up to `limit`, m: a power of two.
 fn step(limit: f32) -> f32 {
     let least = (limit / 32000.0).clamp(f32::MIN_POSITIVE, 1e30);
-    let power = f32::from_bits(least.to_bits() & 0x7F80_0000);
-    if power < least { 2.0 * power } else { power }
+    if power(least) < least { 2.0 * power(least) } else { power(least) }
+}
+
+/// The greatest power of two that is not above a number.
+fn power(x: f32) -> f32 {
+    f32::from_bits(x.to_bits() & 0x7F80_0000)
 }
 
 #[cfg(test)]

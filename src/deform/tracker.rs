@@ -1,6 +1,5 @@
 //! What one output already holds, so that only changed blocks are written.
 
-use super::sums::KeptSums;
 use crate::base::math::Aabb;
 use crate::damage::changes::Changes;
 use crate::mesh::vertex_blocks::block_range;
@@ -8,16 +7,13 @@ use std::ops::Range;
 
 /// Records which blocks of which instance one output's memory holds, and as of which epoch. Keep one tracker for each
 /// piece of memory, such as each buffer of a ring of three. If anything else writes to the memory, call
-/// [`Tracker::invalidate`]. While an instance with eight carried dents or more is being hit, its tracker also holds sums, 24
-/// bytes a vertex, so that one more hit does not evaluate all dents again.
+/// [`Tracker::invalidate`].
 #[derive(Debug, Clone, Default)]
 pub struct Tracker {
     /// Instance and epoch written last; instance 0 is none.
     instance: u64,
     lod: usize,
     epoch: u64,
-    /// Factor of the steps that it was written with.
-    coarse: f32,
     block_bounds: Vec<Aabb>,
     changed: Vec<Range<u32>>,
     /// Around the vertices of `changed`, before and after the last write.
@@ -25,7 +21,6 @@ pub struct Tracker {
     bounds: Option<Aabb>,
     /// Calls in a row that had to leave it out.
     pub(crate) calls_waited: u32,
-    pub(super) sums: Option<Box<KeptSums>>,
 }
 
 impl Tracker {
@@ -78,8 +73,7 @@ impl Tracker {
 
     /// The epoch of the memory's contents, if it holds this instance's level of detail.
     pub(crate) fn since(&self, changes: &Changes, lod: usize) -> Option<u64> {
-        let same = self.instance == changes.instance && self.lod == lod && self.coarse == changes.coarse;
-        same.then_some(self.epoch)
+        (self.instance == changes.instance && self.lod == lod).then_some(self.epoch)
     }
 
     /// Records that these blocks (second of each pair; increasing) were written, and their bounds.
@@ -110,9 +104,6 @@ impl Tracker {
     /// Records that nothing was written.
     pub(crate) fn unchanged(&mut self) {
         self.changed.clear();
-        if self.sums.as_mut().is_some_and(|sums| !sums.rests()) {
-            self.sums = None;
-        }
     }
 
     /// Records that there was no time to write it.
@@ -142,7 +133,6 @@ impl Tracker {
         self.instance = changes.instance;
         self.lod = lod;
         self.epoch = changes.epoch;
-        self.coarse = changes.coarse;
     }
 }
 

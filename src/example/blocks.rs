@@ -133,8 +133,6 @@ pub(crate) enum Numbers<'a> {
 }
 
 impl Stored<'_> {
-    pub(crate) const NOTHING: Stored<'static> = Stored { groups: 0, numbers: Numbers::I8(&[]), step: 1.0 };
-
     /// The vector at vertex `v`, counted from the block's first vertex.
     pub(crate) fn at(&self, v: usize) -> Vec3 {
         let group = v / GROUP;
@@ -194,11 +192,6 @@ impl DeltaBlocks {
     /// The blocks that the example touches, increasing.
     pub(crate) fn blocks(&self) -> impl Iterator<Item = u32> + '_ {
         self.heads.iter().map(|h| h.block)
-    }
-
-    /// Whether the example moves any vertex by more than `threshold`, m.
-    pub(crate) fn exceeds(&self, threshold: f32) -> bool {
-        self.heads.iter().any(|h| h.longest > threshold)
     }
 
     /// The header of block `b`. `None` if the example does not touch it.

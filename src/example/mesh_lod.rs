@@ -14,16 +14,16 @@ pub(crate) struct MeshLod {
     pub mesh: Mesh,
     pub block_bounds: Arc<[Aabb]>,
     pub rim: Rim,
-    /// One per example of the set.
+    /// One per example of the set, where it was made: of the base mesh and the nodes. Other meshes have none.
     pub anchored: Vec<Arc<DeltaBlocks>>,
-    /// How the vertices follow the set's nodes, if they do.
-    pub rows: Option<Rows>,
+    /// How the vertices follow the set's nodes. The nodes themselves follow nothing.
+    pub rows: Rows,
     edge: OnceLock<f32>,
 }
 
 impl MeshLod {
     pub(crate) fn new(mesh: Mesh, rim: Rim, anchored: Vec<Arc<DeltaBlocks>>) -> Self {
-        MeshLod { block_bounds: mesh.block_bounds().clone(), mesh, rim, anchored, rows: None, edge: OnceLock::new() }
+        MeshLod { block_bounds: mesh.block_bounds().clone(), mesh, rim, anchored, rows: Rows::default(), edge: OnceLock::new() }
     }
 
     /// The displacements of all vertices by an example where it was made, m.
@@ -33,13 +33,13 @@ impl MeshLod {
         field
     }
 
-    /// Memory used, with its anchored examples, bytes.
+    /// Memory used, with its examples, bytes.
     pub(crate) fn bytes(&self) -> usize {
         self.mesh.bytes()
             + self.blocks() * size_of::<Aabb>()
             + self.rim.bytes()
             + self.anchored.iter().map(|a| a.bytes().total()).sum::<usize>()
-            + self.rows.as_ref().map_or(0, Rows::bytes)
+            + self.rows.bytes()
     }
 
     /// Root mean square length of the triangles' edges, m; infinite without triangles.

@@ -12,7 +12,6 @@ use super::rule::{LearnedRule, Source};
 use super::stamp::Stamp;
 use crate::base::array::Array;
 use crate::base::error::Error;
-use crate::base::tasks::TaskSystem;
 use crate::basis::{FREE, Rows, TILE};
 use crate::mesh::mirror::Mirror;
 use crate::mesh::nearest::{Nearest, VertexIndex};
@@ -20,7 +19,6 @@ use crate::mesh::rim::Rim;
 use crate::mesh::surface::SurfaceIndex;
 use crate::mesh::vertex_blocks::BLOCK;
 use crate::mesh::{Mesh, finite};
-use glam::Vec3;
 use std::sync::OnceLock;
 
 /// A base mesh with its examples. It is immutable: the instances of the mesh and threads share it through an `Arc`.
@@ -53,7 +51,7 @@ pub struct ExampleSet {
     report: SetReport,
     /// The source index of each vertex, if the mesh was [reordered](fn@crate::reorder). Only tools use it.
     source_order: Option<Array<u32>>,
-    /// The nodes that vertices follow, if the set has learned a basis.
+    /// The nodes that vertices follow. There once the set is made.
     nodes: Option<SetNodes>,
     rule: Option<LearnedRule>,
     /// Spatial index of the base mesh's triangles, built on first use.
@@ -106,9 +104,6 @@ impl Followers {
 
 /// Maximum number of meshes of a set: the base mesh and its levels of detail.
 pub(crate) const MAX_MESHES: usize = 64;
-
-/// The most examples that rows of further meshes are fitted to, evenly spread over the list.
-const MOST_FIELDS: usize = 64;
 
 /// The parts of a set, built or loaded.
 pub(crate) struct Parts {
@@ -232,7 +227,8 @@ impl ExampleSet {
 
     /// Memory used by meshes and examples, bytes.
     pub fn memory_bytes(&self) -> usize {
-        self.marked().map(MeshLod::bytes).sum::<usize>()
+        self.lods().map(MeshLod::bytes).sum::<usize>()
+            + self.nodes().lod.bytes()
             + self.index.bytes()
             + self.report.stamp_bytes
             + self.candidates.bytes()
@@ -309,37 +305,21 @@ impl ExampleSet {
         })
     }
 
-    /// The nodes that vertices follow, if the set has learned a basis.
-    pub(crate) fn nodes(&self) -> Option<&SetNodes> {
-        self.nodes.as_ref()
+    /// The nodes that vertices follow.
+    pub(crate) fn nodes(&self) -> &SetNodes {
+        self.nodes.as_ref().expect("whoever makes a set lets it follow nodes")
     }
 
-    /// Lets all meshes follow nodes, with rows for each of them. The default depth limit becomes larger, so that nodes move freely up
-    /// to the deepest example.
+    /// Lets all meshes follow nodes, with rows for each of them. A rule that was learned with other nodes is forgotten. The default
+    /// depth limit is larger than the deepest example, so that nodes move freely up to it.
     pub(crate) fn follow(&mut self, lod: MeshLod, rows: Vec<Rows>) {
         self.depth_limit = self.options.depth_limit.unwrap_or(deepest(&self.examples) / FREE);
         let followers = rows.iter().map(|rows| Followers::new(rows, lod.vertex_count())).collect();
         self.nodes = Some(SetNodes { lod, followers });
+        self.rule = None;
         for (mesh, rows) in std::iter::once(&mut self.base).chain(&mut self.lods).zip(rows) {
-            mesh.rows = Some(rows);
+            mesh.rows = rows;
         }
-    }
-
-    /// How the vertices of another mesh follow the nodes, fitted to the set's examples on it. `None` if the set has no nodes.
-    pub(crate) fn rows_on(&self, lod: &MeshLod, tasks: &dyn TaskSystem) -> Option<Rows> {
-        Some(self.rows_by((&self.nodes()?.lod, self.base.rows.as_ref()?), lod, tasks))
-    }
-
-    /// The same for nodes, and rows of the base mesh, that the set does not have yet.
-    pub(crate) fn rows_by(&self, (nodes, base): (&MeshLod, &Rows), lod: &MeshLod, tasks: &dyn TaskSystem) -> Rows {
-        let some = (0..lod.anchored.len()).step_by(lod.anchored.len().div_ceil(MOST_FIELDS).max(1));
-        let (fields, at_nodes): (Vec<_>, Vec<_>) = some.map(|i| (lod.field(i), nodes.field(i))).unzip();
-        let fields: Vec<&[Vec3]> = fields.iter().map(Vec::as_slice).collect();
-        let positions = self.mesh().positions();
-        let near = |p: &Vec3| self.index.nearest(*p, positions).map(|n| n.vertex);
-        let same: Vec<Option<u32>> =
-            lod.mesh.positions().iter().map(|p| near(p).filter(|v| positions[*v as usize] == *p)).collect();
-        Rows::of_other_mesh(&lod.mesh, &fields, (nodes.mesh.positions(), &at_nodes), (base, &same), tasks)
     }
 
     /// What predicts hits from all examples, if the set has learned it.
@@ -368,17 +348,11 @@ impl ExampleSet {
         self.fingerprint = fingerprint;
     }
 
-    /// The meshes whose blocks dents mark as changed: all of them, and last the nodes, if there are any.
-    pub(crate) fn marked(&self) -> impl Iterator<Item = &MeshLod> {
-        self.lods().chain(self.nodes.as_ref().map(|n| &n.lod))
-    }
-
-    /// Adds a mesh, which follows the set's nodes if it has any.
-    pub(crate) fn push_lod(&mut self, mut lod: MeshLod, report: LodReport, rows: Option<Rows>) {
-        if let (Some(nodes), Some(rows)) = (&mut self.nodes, &rows) {
-            nodes.followers.push(Followers::new(rows, nodes.lod.vertex_count()));
+    /// Adds a mesh that follows the set's nodes.
+    pub(crate) fn push_lod(&mut self, lod: MeshLod, report: LodReport) {
+        if let Some(nodes) = &mut self.nodes {
+            nodes.followers.push(Followers::new(&lod.rows, nodes.lod.vertex_count()));
         }
-        lod.rows = rows;
         self.lods.push(lod);
         self.report.lods.push(report);
     }

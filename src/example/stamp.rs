@@ -39,8 +39,6 @@ pub(crate) type Node = [i16; 8];
 pub(crate) const WEIGHTS: f32 = 16384.0;
 /// The largest number in a node.
 pub(crate) const MOST: f32 = 32767.0;
-/// Factor from a weighted sum of the nodes' last numbers to the z of a base normal.
-pub(crate) const FACING: f32 = 1.0 / (MOST * WEIGHTS);
 
 /// An example's fields around its contact, on a grid in its contact frame.
 #[derive(Debug, Clone)]
@@ -53,8 +51,6 @@ pub struct Stamp {
     pub(crate) fade: f32,
     /// Heights of the lowest and the highest node, m.
     pub(crate) heights: (f32, f32),
-    /// Upper bound of the length of displacements read from the stamp, m.
-    pub(crate) longest: f32,
     /// Displacement of the contact, in its frame, m.
     pub(crate) centre: Vec3,
     /// Root of the integral of squared displacements over the unrolled surface, over π, m².
@@ -168,12 +164,10 @@ impl Stamp {
         let height = |n: &Node| f32::from(n[3]) * steps.height;
         let heights =
             nodes.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(lo, hi), n| (lo.min(height(n)), hi.max(height(n))));
-        // The weights of an interpolation may sum to one unit too much.
-        let longest = nodes.iter().map(|n| (of(n, 0) * steps.displacement).length()).fold(0.0, f32::max) * 1.0002;
         let squares = nodes.iter().map(|n| f64::from((of(n, 0) * steps.displacement).length_squared())).sum::<f64>();
         let cell = f64::from(grid.cell.x) * f64::from(grid.cell.y);
         let spread = (squares * cell / std::f64::consts::PI).sqrt() as f32;
-        let stamp = Stamp { grid, nodes, steps, fade, heights, longest, centre: Vec3::ZERO, spread, error };
+        let stamp = Stamp { grid, nodes, steps, fade, heights, centre: Vec3::ZERO, spread, error };
         Stamp { centre: stamp.displacement(Vec3::ZERO), ..stamp }
     }
 

@@ -1,7 +1,7 @@
-//! Meshes, examples and stamps on the device. Each set and level of detail is uploaded once, into a few large buffers.
+//! Meshes on the device. Each set and level of detail is uploaded once, into a few large buffers.
 
 use super::limits::BindingLimits;
-use super::mesh::{MeshPlacement, MeshWords, StampWords};
+use super::mesh::{MeshPlacement, MeshWords};
 use crate::base::error::Error;
 use crate::example::set::ExampleSet;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -27,7 +27,6 @@ struct Chunk<B> {
     buffer: B,
     words: u64,
     used: u64,
-    stamps: Vec<(Weak<ExampleSet>, Arc<StampWords>, u32)>,
 }
 
 /// A mesh on the device.
@@ -42,12 +41,11 @@ pub(crate) struct ResidentMesh {
     last_frame: AtomicU64,
 }
 
-/// Words to copy into a chunk: a mesh, and its set's stamps if the chunk has none of them yet.
+/// Words to copy into a chunk.
 pub(crate) struct Upload<'a> {
     set: &'a ExampleSet,
     lod: usize,
     mesh: &'a MeshWords,
-    stamps: Option<&'a StampWords>,
     /// The first word in the chunk.
     pub at: u32,
     pub words: u64,
@@ -56,11 +54,7 @@ pub(crate) struct Upload<'a> {
 impl Upload<'_> {
     /// Writes the words into memory of that size.
     pub(crate) fn write(&self, to: &mut [u32]) -> Result<(), Error> {
-        let (mesh, stamps) = to.split_at_mut(self.mesh.total() as usize);
-        self.mesh.write(self.set.lod(self.lod)?, mesh);
-        if let Some(words) = self.stamps {
-            words.write(self.set, stamps);
-        }
+        self.mesh.write(self.set.lod(self.lod)?, to);
         Ok(())
     }
 }
@@ -92,28 +86,15 @@ impl<B> Arena<B> {
             return Ok(mesh.clone());
         }
         let words = MeshWords::new(set.lod(lod)?);
-        let stamps_in = |c: &Chunk<B>| c.stamps.iter().find(|s| same(&s.0)).map(|s| (s.1.clone(), s.2));
-        let left = |c: &Chunk<B>| c.words - c.used;
-        let stamps = Arc::new(StampWords::new(set));
-        let both = words.total() + stamps.total();
-        // Stamps that are on the device serve every level of detail of their set.
-        let with_stamps = self.chunks.iter().position(|c| stamps_in(c).is_some() && left(c) >= words.total());
-        let index = match with_stamps.or_else(|| self.chunks.iter().position(|c| left(c) >= both)) {
+        let index = match self.chunks.iter().position(|c| c.words - c.used >= words.total()) {
             Some(index) => index,
-            None => self.add_chunk(both, limits, make)?,
+            None => self.add_chunk(words.total(), limits, make)?,
         };
         let chunk = &mut self.chunks[index];
-        let (at, known) = (chunk.used as u32, stamps_in(chunk));
-        let new_stamps = known.is_none();
-        let (stamps, stamps_at) = known.unwrap_or((stamps, at + words.total() as u32));
-        let total = if new_stamps { both } else { words.total() };
-        let new = new_stamps.then_some(&*stamps);
-        upload(&chunk.buffer, &Upload { set, lod, mesh: &words, stamps: new, at, words: total })?;
-        if new_stamps {
-            chunk.stamps.push((Arc::downgrade(set), stamps.clone(), stamps_at));
-        }
-        chunk.used += total;
-        let place = MeshPlacement { mesh: words, stamps, mesh_at: at, stamps_at };
+        let at = chunk.used as u32;
+        upload(&chunk.buffer, &Upload { set, lod, mesh: &words, at, words: words.total() })?;
+        chunk.used += words.total();
+        let place = MeshPlacement { mesh: words, at };
         let (set, chunk) = (Arc::downgrade(set), chunk.id);
         let mesh = Arc::new(ResidentMesh { set, lod, place, chunk, last_frame: AtomicU64::new(0) });
         self.meshes.push(mesh.clone());
@@ -131,7 +112,7 @@ impl<B> Arena<B> {
         let size = (FIRST << self.chunks.len().min(8)).min(LARGEST).min(limits.bytes).max(bytes);
         let buffer = make(size)?;
         self.last_id += 1;
-        self.chunks.push(Chunk { id: self.last_id, buffer, words: size / 4, used: 0, stamps: Vec::new() });
+        self.chunks.push(Chunk { id: self.last_id, buffer, words: size / 4, used: 0 });
         Ok(self.chunks.len() - 1)
     }
 

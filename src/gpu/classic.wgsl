@@ -13,6 +13,51 @@ fn work_vector(at: u32) -> vec3<f32> {
     return vec3(work_float(at), work_float(at + 1u), work_float(at + 2u));
 }
 
+fn signed(bits: u32, shift: u32, right: u32) -> f32 {
+    return f32(bitcast<i32>(bits << shift) >> right);
+}
+
+// The stored vector of vertex `v` of a block, in steps. A number has `width` bytes. A bit of `groups` says whether the example
+// stores the numbers of eight vertices.
+fn stored(at: u32, width: u32, groups: u32, v: u32) -> vec3<f32> {
+    let group = v >> 3u;
+    if ((groups >> group) & 1u) == 0u {
+        return vec3(0.0);
+    }
+    let before = countOneBits(groups & ((1u << group) - 1u));
+    let n = 3u * (before * 8u + (v & 7u));
+    if width == 1u {
+        let shift = (n & 3u) * 8u;
+        let low = arena[at + (n >> 2u)];
+        let high = arena[at + ((n + 2u) >> 2u)];
+        let w = select((low >> shift) | (high << ((32u - shift) & 31u)), low, shift == 0u);
+        return vec3(signed(w, 24u, 24u), signed(w, 16u, 24u), signed(w, 8u, 24u));
+    }
+    if width == 2u {
+        let a = arena[at + (n >> 1u)];
+        let b = arena[at + (n >> 1u) + 1u];
+        if (n & 1u) == 0u {
+            return vec3(signed(a, 16u, 16u), signed(a, 0u, 16u), signed(b, 16u, 16u));
+        }
+        return vec3(signed(a, 0u, 16u), signed(b, 16u, 16u), signed(b, 0u, 16u));
+    }
+    return arena_vector(at + n);
+}
+
+// The first word of a block's head, or NONE if the example stores nothing of the block.
+fn head_of(example: u32, block: u32) -> u32 {
+    let at = arena[example + block];
+    return select(example + at, NONE, at == NONE);
+}
+
+fn stored_displacement(example: u32, head: u32, v: u32) -> vec3<f32> {
+    return stored(example + arena[head + 2u], arena[head] & 0xFFu, arena[head + 1u] & 0xFFFFu, v);
+}
+
+fn stored_normal_change(example: u32, head: u32, v: u32) -> vec3<f32> {
+    return stored(example + arena[head + 3u], arena[head] >> 8u, arena[head + 1u] >> 16u, v);
+}
+
 fn finite(v: vec3<f32>) -> bool {
     return all((bitcast<vec3<u32>>(v) & vec3(0x7F800000u)) != vec3(0x7F800000u));
 }
@@ -51,7 +96,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     var normal = base_normal;
     if (out.flags & AT_REST) == 0u {
         if given != NONE {
-            let at = 4u * call.carried + given + words * vertex.index;
+            let at = 4u * call.states + given + words * vertex.index;
             position = work_vector(at);
             if NORMALS {
                 normal = work_vector(at + 3u);

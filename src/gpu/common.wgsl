@@ -1,4 +1,4 @@
-// What the kernels of both rules share: bindings, vectors, anchored examples, and the host's formats.
+// What the kernels of both rules share: bindings, vectors, limits, and the host's formats.
 //
 // Every operation is written out, in the order of src/deform/kernel.rs. Built-ins whose result differs between devices (dot, mix,
 // normalize, min, max, pack…) are not used.
@@ -10,7 +10,7 @@ override PACKED: bool = false;
 
 var<immediate> call: Call;
 
-// Meshes, examples and stamps. They do not change.
+// Meshes and examples. They do not change.
 @group(0) @binding(0) var<storage, read> arena: array<u32>;
 // The frame's lists, in rows. layout.wgsl declares their structs.
 @group(0) @binding(1) var<storage, read> work: array<vec4<u32>>;
@@ -106,53 +106,6 @@ fn tangent_of(base: vec4<f32>, base_normal: vec3<f32>, normal: vec3<f32>) -> vec
     return vec4(unit(flat, across), base.w);
 }
 
-// ------------------------------------------------------------------------------------------------------- anchored examples
-
-fn signed(bits: u32, shift: u32, right: u32) -> f32 {
-    return f32(bitcast<i32>(bits << shift) >> right);
-}
-
-// The stored vector of vertex `v` of a block, in steps. A number has `width` bytes. A bit of `groups` says whether the example
-// stores the numbers of eight vertices.
-fn stored(at: u32, width: u32, groups: u32, v: u32) -> vec3<f32> {
-    let group = v >> 3u;
-    if ((groups >> group) & 1u) == 0u {
-        return vec3(0.0);
-    }
-    let before = countOneBits(groups & ((1u << group) - 1u));
-    let n = 3u * (before * 8u + (v & 7u));
-    if width == 1u {
-        let shift = (n & 3u) * 8u;
-        let low = arena[at + (n >> 2u)];
-        let high = arena[at + ((n + 2u) >> 2u)];
-        let w = select((low >> shift) | (high << ((32u - shift) & 31u)), low, shift == 0u);
-        return vec3(signed(w, 24u, 24u), signed(w, 16u, 24u), signed(w, 8u, 24u));
-    }
-    if width == 2u {
-        let a = arena[at + (n >> 1u)];
-        let b = arena[at + (n >> 1u) + 1u];
-        if (n & 1u) == 0u {
-            return vec3(signed(a, 16u, 16u), signed(a, 0u, 16u), signed(b, 16u, 16u));
-        }
-        return vec3(signed(a, 0u, 16u), signed(b, 16u, 16u), signed(b, 0u, 16u));
-    }
-    return arena_vector(at + n);
-}
-
-// The first word of a block's head, or NONE if the example stores nothing of the block.
-fn head_of(example: u32, block: u32) -> u32 {
-    let at = arena[example + block];
-    return select(example + at, NONE, at == NONE);
-}
-
-fn stored_displacement(example: u32, head: u32, v: u32) -> vec3<f32> {
-    return stored(example + arena[head + 2u], arena[head] & 0xFFu, arena[head + 1u] & 0xFFFFu, v);
-}
-
-fn stored_normal_change(example: u32, head: u32, v: u32) -> vec3<f32> {
-    return stored(example + arena[head + 3u], arena[head] >> 8u, arena[head + 1u] >> 16u, v);
-}
-
 // ----------------------------------------------------------------------------------------------------- the invocation's vertex
 
 struct Vertex {
@@ -164,7 +117,7 @@ struct Vertex {
     out: TargetWork,
 }
 
-// A workgroup lies within one block. So what is read of the block, its target and its dents depends on the workgroup alone, and
+// A workgroup lies within one block. So what is read of the block and its target depends on the workgroup alone, and
 // a device can read it once for all invocations.
 fn vertex_of(group: vec3<u32>, local: u32) -> Vertex {
     let number = group.y * call.row + group.x;

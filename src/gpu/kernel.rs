@@ -11,13 +11,9 @@ pub(crate) enum Kernel {
 /// What moves the vertices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Case {
-    /// Marks, none of them with a carried example.
-    Anchored,
-    /// Any marks.
-    Marks,
-    Classic,
     /// Vertices follow nodes.
     Nodes,
+    Classic,
 }
 
 impl Kernel {
@@ -38,12 +34,12 @@ pub(crate) struct Variant {
 
 impl Variant {
     /// Number of variants in all.
-    pub(crate) const COUNT: usize = 24;
+    pub(crate) const COUNT: usize = 12;
 
     /// All variants, in the order of their numbers.
     #[cfg(feature = "vulkan")]
     pub(crate) fn all() -> impl Iterator<Item = Variant> {
-        let cases = [Case::Anchored, Case::Marks, Case::Classic, Case::Nodes].into_iter();
+        let cases = [Case::Nodes, Case::Classic].into_iter();
         let both = [false, true].into_iter().flat_map(move |packed| cases.clone().map(move |case| (packed, case)));
         let kernels = [Kernel::Positions, Kernel::Normals, Kernel::Tangents];
         both.flat_map(move |(packed, case)| kernels.map(|kernel| Variant { kernel, case, packed }))
@@ -51,22 +47,17 @@ impl Variant {
 
     /// Index among all variants.
     pub(crate) fn number(self) -> usize {
-        self.kernel as usize + 3 * self.case as usize + 12 * usize::from(self.packed)
+        self.kernel as usize + 3 * self.case as usize + 6 * usize::from(self.packed)
     }
 
-    /// The number of its source in build/kernels.rs: marks, classic, nodes.
+    /// The number of its source in build/kernels.rs.
     pub(crate) fn source(self) -> usize {
-        match self.case {
-            Case::Anchored | Case::Marks => 0,
-            Case::Classic => 1,
-            Case::Nodes => 2,
-        }
+        self.case as usize
     }
 
     /// Whether an override of the sources is on.
     pub(crate) fn on(self, name: &str) -> bool {
         match name {
-            "CARRIED" => self.case == Case::Marks,
             "NORMALS" => self.kernel >= Kernel::Normals,
             "TANGENTS" => self.kernel == Kernel::Tangents,
             _ => self.packed,

@@ -14,7 +14,7 @@ const SNORM16X4 = 2u;
 const SNORM8X4 = 3u;
 const OCTAHEDRAL16X2 = 4u;
 
-// Flag of a target with marks: the depth limit may be reached.
+// Flag of a target that follows nodes: the depth limit may be reached.
 const LIMITED = 1u;
 // Vertices a tile, and the unit of weights: src/basis/mod.rs.
 const TILE = 64u;
@@ -23,22 +23,14 @@ const WEIGHT: f32 = 0.015625;
 // Flag of a target with a classic rule: the vertices are at rest and have no state yet.
 const AT_REST = 1u;
 
-// The weights of a bilinear mean sum to this.
-const WEIGHTS: f32 = 16384.0;
-// The step of changes of normals by carried examples, and the most steps that one dent contributes.
-const TURN_STEP: f32 = 0.0000002384185791015625;
-const MOST_STEPS: f32 = 134217728.0;
-// The step of the stored cosine between a normal and the stamp's z, over WEIGHTS.
-const FACING: f32 = 1.0 / (32767.0 * 16384.0);
-
 // What differs from dispatch to dispatch.
 struct Call {
     // Index of the dispatch's first block.
     blocks: u32,
-    // First rows of the lists: targets, parts, carried examples. For a classic rule `parts` are hits, and `carried` are states.
+    // First rows of the lists: targets, parts (nodes, or hits of a classic rule), states of a classic rule.
     targets: u32,
     parts: u32,
-    carried: u32,
+    states: u32,
     // Workgroups in a row, blocks in all, and the power of two of workgroups that share a block.
     row: u32,
     count: u32,
@@ -55,11 +47,11 @@ struct BlockWork {
 
 // A target with a block to write.
 struct TargetWork {
-    // First words in the arena: base positions, normals and tangents, bounds of blocks.
+    // First words in the arena: base positions, normals and tangents.
     base_positions: u32,
     base_normals: u32,
     base_tangents: u32,
-    block_bounds: u32,
+    vertices: u32,
     // First words in the host's buffer, and words from one vertex to the next. A stride of 0 stands for no output.
     position_at: u32,
     position_stride: u32,
@@ -69,82 +61,24 @@ struct TargetWork {
     tangent_stride: u32,
     // Number formats, a byte each: positions, normals, tangents.
     formats: u32,
-    vertices: u32,
+    flags: u32,
     // Positions in normalised integers are stored as (p - bias) / scale.
     bias: vec3<f32>,
     // The depth limit, m; for a classic rule the constant that it blends with.
     limit: f32,
     scale: vec3<f32>,
-    flags: u32,
-    // The first of its parts, in rows from the first part of the frame, and the end of them. For a classic rule they are hits.
-    parts_begin: u32,
-    parts_end: u32,
-    // First word of the windows of held rims in the arena, or NONE.
-    windows: u32,
     // For a classic rule: first word of the state that the CPU copies, or NONE.
     given_state: u32,
+    // The first of its parts, in rows from the first part of the frame, and the end of them: the nodes, two a row, or hits of a
+    // classic rule.
+    parts_begin: u32,
+    parts_end: u32,
     // First words of the vertices' depth limits and of 1 - stiffness in the arena, or NONE: the upper halves of floats.
     depths: u32,
     gives: u32,
-    // Of displacements of carried examples: a step, m, and steps per m. Powers of two.
-    step: f32,
-    per_step: f32,
-    // Factor of the steps: 1, or a power of two where many dents overlap. `step` and `per_step` include it.
-    coarse: f32,
-    // For vertices that follow nodes: first word of the tiles in the arena, and the step of the nodes' displacements, m. The parts
-    // are then the nodes, two a row.
+    // First word of the tiles in the arena, and the step of the nodes' displacements, m.
     tiles: u32,
-    @size(8) node_step: f32,
-}
-
-// A dent. Its parts follow.
-struct DentHead {
-    contact: vec3<f32>,
-    // Nothing further from the contact moves, m².
-    reach_square: f32,
-    @size(16) parts: u32,
-}
-
-// What moves vertices in a dent: an anchored example, or carried examples at one contact.
-struct DentPart {
-    scale: f32,
-    // For an anchored example.
-    normal_scale: f32,
-    // Displacements with a length of this square or less are dropped, in the units of the examples. -1 keeps all.
-    dropped_square: f32,
-    // The number of carried examples; 0 stands for an anchored one.
-    lookups: u32,
-    // Anchored: the example's first word in the arena. Carried: the first row of its `CarriedWork` among those of the frame.
-    @size(16) source: u32,
-}
-
-// Carried examples at one contact: `Carried` in src/damage/carried.rs. Its `LookupWork`s follow.
-struct CarriedWork {
-    contact: vec3<f32>,
-    // Columns of the matrix into the shared frame.
-    to_frame_x: vec3<f32>,
-    to_frame_y: vec3<f32>,
-    to_frame_z: vec3<f32>,
-}
-
-// A carried example: `Lookup` in src/damage/carried.rs. Names that end in x and y are columns of matrices.
-struct LookupWork {
-    to_grid_x: vec2<f32>,
-    to_grid_y: vec2<f32>,
-    origin: vec2<f32>,
-    last: vec2<f32>,
-    // First word of the stamp's nodes in the arena, and nodes along x.
-    nodes: u32,
-    columns: u32,
-    stretch_square: f32,
-    height: f32,
-    displacement_x: vec2<f32>,
-    displacement_y: vec2<f32>,
-    displacement_z: f32,
-    fade: f32,
-    @size(8) normal_z: f32,
-    normal_x: vec2<f32>,
-    normal_y: vec2<f32>,
+    @size(12) node_step: f32,
 }
 
 // A hit on a body with a classic rule.

@@ -7,7 +7,7 @@ use super::work::{FrameWork, Shown, WorkOffsets};
 use crate::base::error::Error;
 use crate::base::math::Aabb;
 use crate::deform::budget::{Due, waiting};
-use crate::deform::view::DamageView;
+use crate::deform::view::{DamageView, Shape};
 use crate::instance::Instance;
 use std::ops::Range;
 use std::sync::Arc;
@@ -30,8 +30,6 @@ pub struct FrameReport {
     pub blocks_written: u64,
     /// Blocks that were up to date.
     pub blocks_skipped: u64,
-    /// Examples of marks that the instances' tolerances left out.
-    pub parts_skipped: u64,
     /// Dispatches. There is one for each buffer, or more if the device cannot bind the buffer or all examples at once, and one
     /// for each target of an instance with a classic rule.
     pub dispatches: u32,
@@ -58,8 +56,6 @@ struct DispatchKey<B> {
     /// The arena's chunk.
     chunk: u32,
     packed: bool,
-    /// Whether the vertices follow nodes, which have a kernel of their own.
-    nodes: bool,
     /// The job, for an instance with a classic rule: no other has its state.
     classic: Option<u32>,
 }
@@ -159,9 +155,7 @@ impl<B: Copy + Ord> Plan<B> {
             if state.tracker.since(changes, state.lod) != Some(changes.epoch) {
                 let classic = instance.classic_state().map(|_| job as u32);
                 let (chunk, packed) = (state.mesh.chunk, state.layout.packed());
-                let mesh = instance.example_set().lod(state.lod)?;
-                let nodes = mesh.rows.is_some() && instance.view().nodes.is_some();
-                let key = DispatchKey { binding: target.binding(), chunk, packed, nodes, classic };
+                let key = DispatchKey { binding: target.binding(), chunk, packed, classic };
                 self.jobs.push(PlannedJob { key, job, bounds: Aabb::EMPTY, blocks: 0..0 });
             } else {
                 report.blocks_skipped += changes.blocks[state.lod].len() as u64;
@@ -180,33 +174,20 @@ impl<B: Copy + Ord> Plan<B> {
                 continue;
             }
             let shown = Shown { view, mesh, target };
-            let looked_up = self.work.lookups();
-            planned.bounds = match instance.classic_state() {
-                Some(state) => {
+            let case = if planned.key.classic.is_some() { Case::Classic } else { Case::Nodes };
+            planned.bounds = match (view.shape, instance.classic_state()) {
+                (Shape::Nodes(nodes), _) => self.work.add_nodes(shown, &nodes),
+                (_, Some(state)) => {
                     let since = target.tracker.since(view.changes, target.lod);
-                    self.work.add_classic(
-                        shown,
-                        (state, instance.blend_constant()),
-                        target.kernel > Kernel::Positions,
-                        since,
-                    )
+                    let with_normals = target.kernel > Kernel::Positions;
+                    self.work.add_classic(shown, (state, instance.blend_constant()), with_normals, since)
                 }
-                None => match view.nodes.filter(|_| planned.key.nodes) {
-                    Some(nodes) => self.work.add_nodes(shown, &nodes),
-                    None => self.work.add_marks(shown),
-                },
-            };
-            let case = match planned.key.classic {
-                Some(_) => Case::Classic,
-                None if planned.key.nodes => Case::Nodes,
-                None if self.work.lookups() > looked_up => Case::Marks,
-                None => Case::Anchored,
+                (Shape::Vertices(_), None) => Aabb::EMPTY,
             };
             match self.dispatches.last_mut().filter(|d| d.key == planned.key) {
                 Some(dispatch) => {
                     dispatch.blocks.end = planned.blocks.end;
                     dispatch.variant.kernel = dispatch.variant.kernel.max(target.kernel);
-                    dispatch.variant.case = dispatch.variant.case.max(case);
                 }
                 None => {
                     let (key, job) = (planned.key, planned.job);
@@ -215,7 +196,6 @@ impl<B: Copy + Ord> Plan<B> {
                 }
             }
         }
-        report.parts_skipped = self.work.parts_skipped.into();
         report.dispatches = self.dispatches.len() as u32;
         let invocations = report.blocks_written * u64::from(BLOCK_VERTICES);
         if invocations > u64::from(u32::MAX) {

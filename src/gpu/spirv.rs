@@ -4,7 +4,7 @@ use super::kernel::Variant;
 
 /// In the order of [`Variant::source`].
 #[cfg(feature = "vulkan")]
-const MODULES: [Module; 3] = include!(concat!(env!("OUT_DIR"), "/vulkan_modules.rs"));
+const MODULES: [Module; 2] = include!(concat!(env!("OUT_DIR"), "/vulkan_modules.rs"));
 
 /// Returns the SPIR-V of a variant with this number of invocations a workgroup.
 #[cfg(feature = "vulkan")]

@@ -1,11 +1,6 @@
 //! Packs a frame's work for the kernels: blocks to write, their targets, and what moves them.
-//!
-//! The CPU lists the blocks to write, and each instance's dents once. The kernels find out which dents reach a block. They test
-//! more dents than [`crate::deform`] does; a dent that does not reach a vertex adds zeros there.
 
-use super::layout::{
-    AT_REST, BlockWork, Call, CarriedWork, ClassicHit, DentHead, DentPart, LIMITED, LookupWork, NONE, Row, TargetWork,
-};
+use super::layout::{AT_REST, BlockWork, Call, ClassicHit, LIMITED, NONE, Row, TargetWork};
 use super::target::TargetState;
 use super::vertices::VertexStream;
 use super::{BLOCK_VERTICES, Encoding};
@@ -13,16 +8,12 @@ use crate::base::error::Error;
 use crate::base::math::Aabb;
 use crate::basis::ONE;
 use crate::classic::ClassicState;
-use crate::damage::carried::{Carried, Lookup};
-use crate::damage::dent::{Part, Reach};
-use crate::deform::view::{DamageView, NodeSteps, NodeView, may_reach};
+use crate::deform::view::{DamageView, NodeSteps, NodeView, Shape, may_reach};
 use crate::example::mesh_lod::MeshLod;
 use bytemuck::{Pod, cast, cast_slice};
-use glam::{Mat2, Vec3};
+use glam::Vec3;
 use std::ops::Range;
 
-/// Dents reach a little further than exactly, for devices that round otherwise.
-const SLACK: f32 = 1.0001;
 /// Room for the rounding of f32 in a bound on summed lengths.
 const ROUNDING: f32 = 1.00001;
 const ROW_WORDS: usize = size_of::<Row>() / 4;
@@ -32,14 +23,10 @@ const ROW_WORDS: usize = size_of::<Row>() / 4;
 pub(super) struct FrameWork {
     blocks: Vec<BlockWork>,
     targets: Vec<TargetWork>,
-    /// For each target its dents: a [`DentHead`], then its [`DentPart`]s. For a classic rule [`ClassicHit`]s.
+    /// For each target its nodes, two a row. For a classic rule [`ClassicHit`]s.
     parts: Vec<Row>,
-    /// [`CarriedWork`]s, each with its [`LookupWork`]s.
-    carried: Vec<Row>,
     /// States of vertices under a classic rule: position and, where a kernel writes normals, normal.
     states: Vec<[f32; 3]>,
-    /// Parts that tolerances left out.
-    pub parts_skipped: u32,
 }
 
 /// First rows of the lists.
@@ -47,7 +34,6 @@ pub(super) struct FrameWork {
 pub(crate) struct WorkOffsets {
     targets: usize,
     parts: usize,
-    carried: usize,
     states: usize,
     rows: usize,
 }
@@ -65,19 +51,12 @@ impl FrameWork {
         self.blocks.clear();
         self.targets.clear();
         self.parts.clear();
-        self.carried.clear();
         self.states.clear();
-        self.parts_skipped = 0;
     }
 
     /// Number of blocks so far.
     pub(super) fn blocks(&self) -> usize {
         self.blocks.len()
-    }
-
-    /// Rows of carried examples so far.
-    pub(super) fn lookups(&self) -> usize {
-        self.carried.len()
     }
 
     /// Where the lists will lie.
@@ -88,10 +67,8 @@ impl FrameWork {
         let rows = |bytes: usize| bytes.div_ceil(size_of::<Row>());
         let targets = rows(size_of_val(&self.blocks[..]));
         let parts = targets + rows(size_of_val(&self.targets[..]));
-        let carried = parts + self.parts.len();
-        let states = carried + self.carried.len();
-        let offsets =
-            WorkOffsets { targets, parts, carried, states, rows: states + rows(size_of_val(&self.states[..])) };
+        let states = parts + self.parts.len();
+        let offsets = WorkOffsets { targets, parts, states, rows: states + rows(size_of_val(&self.states[..])) };
         if offsets.bytes() > u64::from(u32::MAX) {
             let what = format!("{} bytes for the work of a frame; at most 4294967295", offsets.bytes());
             return Err(Error::Unsupported { what });
@@ -111,7 +88,6 @@ impl FrameWork {
         let to = put(to, &self.blocks);
         let to = put(to, &self.targets);
         let to = put(to, &self.parts);
-        let to = put(to, &self.carried);
         put(to, &self.states);
     }
 
@@ -128,84 +104,6 @@ impl FrameWork {
         self.blocks[indices.clone()].iter().map(|b| b.block as usize)
     }
 
-    /// Adds a target of an instance with marks. Returns a box that holds its vertices.
-    pub(super) fn add_marks(&mut self, shown: Shown<'_>) -> Aabb {
-        let Shown { view, mesh, target } = shown;
-        let begin = self.parts.len();
-        let threshold = view.threshold;
-        let (mut dents, mut longest) = (0, 0.0);
-        for dent in view.damage.dents() {
-            let reach = dent.reach();
-            let head = self.parts.len();
-            self.parts.extend_from_slice(&[[0; 4]; size_of::<DentHead>() / size_of::<Row>()]);
-            let mut parts = 0;
-            for part in &dent.parts {
-                let scale = dent.strength * if let Part::Anchored(_, scale) = part { *scale } else { 1.0 };
-                // A scale of 0 makes every displacement zero, whatever is dropped.
-                let dropped = if scale == 0.0 { 0.0 } else { threshold / scale.abs() };
-                let place = &target.mesh.place;
-                let work = match part {
-                    Part::Carried(carried) => {
-                        let source = self.carried.len() as u32;
-                        let mut lookups = 0;
-                        for lookup in carried.lookups.iter() {
-                            if !dent.shows_carried(lookup, threshold) {
-                                self.parts_skipped += 1;
-                                continue;
-                            }
-                            if lookups == 0 {
-                                self.carried.extend_from_slice(&cast::<_, [Row; 4]>(carried_work(carried)));
-                            }
-                            let nodes = place.stamp(lookup.example);
-                            self.carried.extend_from_slice(&cast::<_, [Row; 6]>(lookup_work(lookup, nodes)));
-                            lookups += 1;
-                            longest += lookup.longest * scale.abs();
-                        }
-                        if lookups == 0 {
-                            continue;
-                        }
-                        let dropped_square = dropped_square(dropped);
-                        DentPart { scale, normal_scale: 0.0, dropped_square, lookups, source, padding: [0; 3] }
-                    }
-                    // Only sets whose vertices follow nodes have these.
-                    Part::Predicted(..) => continue,
-                    Part::Anchored(example, own) => {
-                        if !dent.shows_anchored(mesh, (*example, *own), threshold) {
-                            self.parts_skipped += 1;
-                            continue;
-                        }
-                        longest += place.longest(*example) * scale.abs();
-                        anchored_part(mesh, *example, (scale, dropped), place.example(*example))
-                    }
-                };
-                self.parts.extend_from_slice(&cast::<_, [Row; 2]>(work));
-                parts += 1;
-            }
-            if parts == 0 {
-                self.parts.truncate(head);
-                continue;
-            }
-            dents += 1;
-            let reach_square = (reach.square * SLACK).min(f32::MAX);
-            let dent = DentHead { contact: reach.contact.to_array(), reach_square, parts, padding: [0; 3] };
-            let rows: [Row; 2] = cast(dent);
-            self.parts[head..head + rows.len()].copy_from_slice(&rows);
-        }
-        let limit = view.limit(longest);
-        let flags = if limit.is_some() { LIMITED } else { 0 };
-        self.add_target(shown, (begin, longest), (flags, limit.unwrap_or(0.0), NONE));
-        let grown = Vec3::splat(longest.min(view.depth_limit) * ROUNDING);
-        let mut bounds = mesh.mesh.bounds();
-        if dents > 0 {
-            for dent in view.damage.dents() {
-                let mut near = bounds_within(&dent.reach(), &mesh.mesh.bounds());
-                (near.min, near.max) = (near.min - grown, near.max + grown);
-                bounds.union(&near);
-            }
-        }
-        bounds
-    }
-
     /// Adds a target of an instance whose vertices follow nodes: the displacements of all nodes. Returns a box that holds its vertices.
     pub(super) fn add_nodes(&mut self, shown: Shown<'_>, nodes: &NodeView<'_>) -> Aabb {
         let begin = self.parts.len();
@@ -216,7 +114,7 @@ impl FrameWork {
         }
         let length = |n: &NodeSteps| Vec3::new(n[0].into(), n[1].into(), n[2].into()).length_squared();
         let farthest = nodes.steps.iter().map(length).fold(0.0, f32::max).sqrt() * nodes.step;
-        let most = shown.mesh.rows.as_ref().map_or(0, |rows| rows.tiles.iter().map(|t| t.most).max().unwrap_or(0));
+        let most = shown.mesh.rows.tiles.iter().map(|t| t.most).max().unwrap_or(0);
         let longest = farthest * (most as f32 / ONE as f32);
         let limit = shown.view.limit(longest);
         let flags = if limit.is_some() { LIMITED } else { 0 };
@@ -292,7 +190,6 @@ impl FrameWork {
             base_positions,
             base_normals: place.normals().unwrap_or(base_positions),
             base_tangents: place.tangents().unwrap_or(base_positions),
-            block_bounds: place.bounds(),
             position_at,
             position_stride,
             normal_at,
@@ -307,16 +204,12 @@ impl FrameWork {
             flags,
             parts_begin: begin as u32,
             parts_end: self.parts.len() as u32,
-            windows: place.windows().unwrap_or(NONE),
             given_state,
             depths,
             gives,
-            step: shown.view.step(),
-            per_step: 1.0 / shown.view.step(),
-            coarse: shown.view.coarse,
-            tiles: place.tiles().unwrap_or(NONE),
-            node_step: shown.view.nodes.map_or(0.0, |nodes| nodes.step),
-            padding: 0,
+            tiles: place.tiles(),
+            node_step: if let Shape::Nodes(nodes) = shown.view.shape { nodes.step } else { 0.0 },
+            padding: [0; 2],
         });
     }
 }
@@ -333,7 +226,7 @@ impl WorkOffsets {
     }
 
     /// The call of a dispatch that writes these blocks, and its workgroups: how many in a row, at most `most`, and rows.
-    pub(crate) fn call(&self, (blocks, classic): (&Range<usize>, bool), workgroup: u32, most: u32) -> (Call, [u32; 2]) {
+    pub(crate) fn call(&self, blocks: &Range<usize>, workgroup: u32, most: u32) -> (Call, [u32; 2]) {
         // The plan has checked that there are less than 2^32 invocations.
         let (count, split) = (blocks.len() as u32, (BLOCK_VERTICES / workgroup).ilog2());
         let groups = count << split;
@@ -342,74 +235,11 @@ impl WorkOffsets {
             blocks: blocks.start as u32,
             targets: self.targets as u32,
             parts: self.parts as u32,
-            carried: if classic { self.states } else { self.carried } as u32,
+            states: self.states as u32,
             row: across,
             count,
             split,
         };
         (call, [across, groups.div_ceil(across)])
     }
-}
-
-/// The part of a box that holds everything within reach.
-fn bounds_within(reach: &Reach, all: &Aabb) -> Aabb {
-    let radius = Vec3::splat(reach.square.sqrt() * SLACK);
-    Aabb { min: all.min.max(reach.contact - radius), max: all.max.min(reach.contact + radius) }
-}
-
-fn anchored_part(mesh: &MeshLod, example: usize, (scale, dropped): (f32, f32), source: u32) -> DentPart {
-    let steps = mesh.anchored[example].steps;
-    DentPart {
-        scale: steps.position * scale,
-        normal_scale: steps.normal * scale,
-        dropped_square: dropped_square(dropped / steps.position),
-        lookups: 0,
-        source,
-        padding: [0; 3],
-    }
-}
-
-fn carried_work(c: &Carried) -> CarriedWork {
-    let [to_frame_x, to_frame_y, to_frame_z] = c.to_frame.to_cols_array_2d();
-    CarriedWork {
-        contact: c.contact.to_array(),
-        padding_contact: 0,
-        to_frame_x,
-        padding_x: 0,
-        to_frame_y,
-        padding_y: 0,
-        to_frame_z,
-        padding_z: 0,
-    }
-}
-
-/// `nodes` is the first word of the stamp's nodes.
-fn lookup_work(l: &Lookup, nodes: u32) -> LookupWork {
-    let columns = |m: &Mat2| m.to_cols_array_2d();
-    let [to_grid_x, to_grid_y] = columns(&l.to_grid);
-    let [displacement_x, displacement_y] = columns(&l.displacement);
-    let [normal_x, normal_y] = columns(&l.normal_change);
-    LookupWork {
-        to_grid_x,
-        to_grid_y,
-        origin: l.origin.to_array(),
-        last: l.last.to_array(),
-        nodes,
-        columns: l.dims.x,
-        stretch_square: l.stretch_square,
-        height: l.height,
-        displacement_x,
-        displacement_y,
-        displacement_z: l.displacement_z,
-        fade: l.fade,
-        normal_z: l.normal_change_z,
-        padding: 0,
-        normal_x,
-        normal_y,
-    }
-}
-
-/// The square for `DentPart`: displacements of this length or less are dropped; 0 keeps all.
-fn dropped_square(dropped: f32) -> f32 {
-    if dropped > 0.0 { dropped * dropped } else { -1.0 }
 }

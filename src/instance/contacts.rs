@@ -8,7 +8,6 @@
 use super::options::Rule;
 use super::selection::select;
 use crate::base::math::to_f32;
-use crate::damage::dent::Dent;
 use crate::damage::list::Damage;
 use crate::damage::mark::Mark;
 use crate::example::blow::{Blow, Striker};
@@ -255,26 +254,24 @@ impl Contacts {
         capacity: usize,
         new: NewHits,
         damage: &mut Damage,
-        changed: &mut dyn FnMut(&Dent),
     ) {
-        let before = std::mem::take(damage);
-        let mut settled = if self.open.is_empty() { before.clone() } else { std::mem::take(&mut self.settled) };
+        let shown = std::mem::take(damage);
+        let mut settled = if self.open.is_empty() { shown } else { std::mem::take(&mut self.settled) };
         let mut marks = new.marks;
         self.apply(new.contacts, set, params, &mut marks);
         while self.open.len() > Self::MAX {
             let stalest = (0..self.open.len()).min_by_key(|i| (self.open[*i].last_fold, self.open[*i].id));
             marks.extend(stalest.and_then(|i| self.end(i)));
         }
-        settled.add(set, marks, capacity, &mut |_| {});
+        settled.add(set, marks, capacity);
         let open: Vec<Mark> = self.open.iter().filter_map(OpenContact::mark).collect();
         if self.open.is_empty() {
             *damage = settled;
         } else {
             *damage = settled.clone();
-            damage.add(set, open, capacity, &mut |_| {});
+            damage.add(set, open, capacity);
             self.settled = settled;
         }
-        damage.differences(&before, changed);
     }
 
     /// Adds parts to their contacts. Appends the marks of contacts that end to `ended`.

@@ -1,10 +1,9 @@
 //! Deforms instances into the caller's memory.
 
-use super::Instance;
+use super::{Instance, ShapeState};
 use crate::base::error::{Error, reserve};
 use crate::base::tasks::TaskSystem;
-use crate::deform::nodes::NodeState;
-use crate::deform::view::DamageView;
+use crate::deform::view::{DamageView, Shape};
 use crate::deform::{DeformReport, Output, Tracker, VertexMemory, evaluate, write_outputs};
 use glam::Vec3;
 
@@ -36,7 +35,7 @@ pub fn deform(jobs: &mut [DeformJob<'_, '_>], tasks: &dyn TaskSystem) -> Result<
 
 /// The same as [`deform`] for a frame that has time for `budget` vertices. Outputs are written whole or not at all: first
 /// those whose waiting would be seen most, by the vertices to write, the calls that they have waited, and how near they
-/// are as their tolerances tell ([`Instance::set_view`]). Others wait for later calls and get the same vertices then. Does
+/// are ([`Instance::set_view`]). Others wait for later calls and get the same vertices then. Does
 /// not let wait what holds nothing of its instance yet, and always writes at least one output.
 ///
 /// # Errors
@@ -122,16 +121,10 @@ impl Instance {
 
     /// What evaluation needs of the instance.
     pub(crate) fn view(&self) -> DamageView<'_> {
-        DamageView {
-            set: &self.set,
-            damage: self.growth.shown(&self.damage),
-            depth_limit: self.limit,
-            threshold: self.threshold,
-            tolerance: self.tolerance,
-            coarse: self.changes.coarse,
-            changes: &self.changes,
-            vertices: self.classic.as_ref().map(|state| state.vertices()),
-            nodes: self.nodes.as_ref().map(NodeState::view),
-        }
+        let shape = match &self.shape {
+            ShapeState::Nodes(nodes) => Shape::Nodes(nodes.view()),
+            ShapeState::Classic(state) => Shape::Vertices(state.vertices()),
+        };
+        DamageView { set: &self.set, depth_limit: self.limit, unseen: self.unseen, changes: &self.changes, shape }
     }
 }

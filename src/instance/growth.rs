@@ -2,7 +2,6 @@
 //! its mark puts it, evenly over the growth time. So the vertices are a function of the marks, of the times at which
 //! they changed, and of the time that the caller gives. Once nothing grows, nothing is kept and nothing costs.
 
-use crate::damage::dent::Dent;
 use crate::damage::list::{Damage, Shown};
 use crate::damage::mark::Mark;
 use crate::example::set::ExampleSet;
@@ -47,9 +46,8 @@ impl Growth {
         self.shown.as_ref().unwrap_or(damage)
     }
 
-    /// Dents go from what was shown, `before` if nothing grew, to `damage`. Calls `changed` with the dents that are shown
-    /// otherwise at once, as they were and as they are.
-    pub(crate) fn begin(&mut self, set: &ExampleSet, before: Damage, damage: &Damage, changed: &mut dyn FnMut(&Dent)) {
+    /// Dents go from what was shown, `before` if nothing grew, to `damage`.
+    pub(crate) fn begin(&mut self, set: &ExampleSet, before: Damage, damage: &Damage) {
         let shown = self.shown.take().unwrap_or(before);
         let old = std::mem::take(&mut self.growing);
         shown.compare(damage, |mark, from, to| {
@@ -66,42 +64,33 @@ impl Growth {
             first.map(|at| self.growing.remove(at));
         }
         self.show(set, damage);
-        self.shown(damage).differences(&shown, changed);
     }
 
     fn began(&self, at: usize) -> f64 {
         self.growing[at].began
     }
 
-    /// Sets the time, s. Calls `changed` with the dents that are shown otherwise than before, as they were and as they
-    /// are.
-    pub(crate) fn advance(&mut self, set: &ExampleSet, damage: &Damage, now: f64, changed: &mut dyn FnMut(&Dent)) {
+    /// Sets the time, s.
+    pub(crate) fn advance(&mut self, set: &ExampleSet, damage: &Damage, now: f64) {
         self.now = now;
-        if let Some(before) = self.shown.take() {
+        if self.shown.take().is_some() {
             self.show(set, damage);
-            self.shown(damage).differences(&before, changed);
         }
     }
 
     /// Shows all dents as their marks are.
-    pub(crate) fn finish(&mut self, damage: &Damage, changed: &mut dyn FnMut(&Dent)) {
+    pub(crate) fn finish(&mut self) {
         self.growing.clear();
-        if let Some(before) = self.shown.take() {
-            damage.differences(&before, changed);
-        }
+        self.shown = None;
     }
 
-    /// Whether a change of the time changes what is shown.
-    pub(crate) fn is_growing_at_other_than(&self, now: f64) -> bool {
-        self.shown.is_some() && now != self.now
+    /// Whether dents are shown that are on their way.
+    pub(crate) fn is_growing(&self) -> bool {
+        self.shown.is_some()
     }
 
     pub(crate) fn time(&self) -> f64 {
         self.now
-    }
-
-    pub(crate) fn set_time(&mut self, now: f64) {
-        self.now = now;
     }
 
     fn show(&mut self, set: &ExampleSet, damage: &Damage) {

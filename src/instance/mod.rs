@@ -3,7 +3,6 @@
 pub(crate) mod archive;
 pub(crate) mod attach;
 pub(crate) mod attachment;
-pub(crate) mod basis;
 mod contacts;
 pub(crate) mod deform;
 mod growth;
@@ -18,14 +17,11 @@ mod selection;
 
 use crate::base::error::{Error, at_least_zero, positive, reserve};
 use crate::classic::{Blend, ClassicState};
-use crate::damage::changes::{ChangeRecorder, Changes};
-use crate::damage::dent::Dent;
+use crate::damage::changes::Changes;
 use crate::damage::list::Damage;
 use crate::damage::mark::Mark;
 use crate::damage::saved;
 use crate::deform::nodes::NodeState;
-use crate::deform::tolerance::{EDGES, pixel_tolerance, rounded, threshold};
-use crate::deform::view::{DamageView, coarseness};
 use crate::example::mesh_lod::MeshLod;
 use crate::example::set::ExampleSet;
 use crate::mesh::finite;
@@ -69,16 +65,24 @@ pub struct Instance {
     contacts: Contacts,
     growth: Growth,
     parts: PartState,
-    classic: Option<ClassicState>,
+    shape: ShapeState,
     limit: f32,
-    /// The tolerance in use: a power of two times 1 m, or 0.
-    tolerance: f32,
-    /// Scaled displacements no longer than this are left out, m.
-    threshold: f32,
+    /// Errors of this length are not seen, m; 0 until the view is known.
+    unseen: f32,
     changes: Changes,
-    /// The displacements of the set's nodes, if the vertices follow them.
-    nodes: Option<NodeState>,
 }
+
+/// What the instance's rule keeps of its shape.
+#[derive(Debug)]
+enum ShapeState {
+    /// The displacements of the set's nodes, which follow from the damage.
+    Nodes(NodeState),
+    Classic(ClassicState),
+}
+
+/// How many times as long as errors that are not seen the edges of a level of detail may be. Measured in the lab's scene (docs/lab, "A
+/// scene"): there, for up to two pixels, the dents of 99 in 100 pixels are wrong by less than a fifth of that.
+const EDGES: f32 = 16.0;
 
 impl Instance {
     /// The most contacts that are open at a time (see [`Inbox::submit`]).
@@ -105,14 +109,11 @@ impl Instance {
             local_origin_in_world: DVec3::ZERO,
             landing: None,
         };
-        let classic = if options.rule == Rule::Marks { None } else { Some(ClassicState::new(&set)?) };
-        let blocks = set.marked().map(|s| vec![0; s.blocks()]).collect();
-        let nodes = match set.nodes() {
-            Some(nodes) if options.rule == Rule::Marks => Some(NodeState::new(nodes.lod.vertex_count())?),
-            _ => None,
+        let shape = match options.rule {
+            Rule::Marks => ShapeState::Nodes(NodeState::new(set.nodes().lod.vertex_count(), set.depth_limit())?),
+            Rule::MostDisplaced | Rule::Blend(_) => ShapeState::Classic(ClassicState::new(&set)?),
         };
-        let tolerance = if options.rule == Rule::Marks { rounded(options.tolerance) } else { 0.0 };
-        let threshold = threshold(&set, &[], tolerance);
+        let blocks = set.lods().map(|s| vec![0; s.blocks()]).collect();
         Ok(Self {
             inbox: Arc::new(Inbox::new(set.clone(), options.rule, params)),
             set,
@@ -121,18 +122,10 @@ impl Instance {
             contacts: Contacts::default(),
             growth: Growth::new(options.grow_time),
             parts: PartState::default(),
-            classic,
+            shape,
             limit,
-            tolerance,
-            threshold,
-            changes: Changes {
-                instance: NEXT.fetch_add(1, Ordering::Relaxed),
-                epoch: 0,
-                coarse: 1.0,
-                follows: nodes.is_some(),
-                blocks,
-            },
-            nodes,
+            unseen: 0.0,
+            changes: Changes { instance: NEXT.fetch_add(1, Ordering::Relaxed), epoch: 0, blocks },
         })
     }
 
@@ -214,44 +207,15 @@ impl Instance {
         check_limit(limit)?;
         self.limit = limit.unwrap_or(self.set.depth_limit());
         self.inbox.params_mut().depth_limit = self.limit;
-        let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
-        self.growth.shown(&self.damage).touch_all(&mut |d: &Dent| touch.dent(d));
-        self.update_nodes();
-        Ok(())
-    }
-
-    /// Returns the tolerance in use, m: the requested one, rounded down to a power of two times 1 m. 0 leaves nothing
-    /// out.
-    pub fn tolerance(&self) -> f32 {
-        self.tolerance
-    }
-
-    /// Sets how far any vertex may be wrong (m, in the mesh's space), so that deforming costs less; 0 allows no error.
-    /// Displacements too short to matter are left out, and whole blocks and whole examples of them are not read. Seams
-    /// stay closed bit for bit. [`crate::pixel_tolerance`] returns the tolerance that is invisible at a distance.
-    /// Rounding of f32 comes on top.
-    ///
-    /// The tolerance is rounded down to a power of two times 1 m, so that a camera which moves a little changes
-    /// nothing. When the rounded value changes, blocks that are dented by more than that are written again. Instances
-    /// with a classic rule ignore it.
-    ///
-    /// # Errors
-    /// [`Error::InvalidArgument`] for a tolerance that is negative or not finite.
-    pub fn set_tolerance(&mut self, tolerance: f32) -> Result<(), Error> {
-        at_least_zero("tolerance", tolerance, "m")?;
-        let tolerance = rounded(tolerance);
-        if self.classic.is_none() && tolerance != self.tolerance {
-            self.tolerance = tolerance;
-            self.update_threshold();
-        }
+        self.show();
         Ok(())
     }
 
     /// Chooses how finely to show the instance where errors of `pixels` pixels do not matter, and returns the level of
-    /// detail to show: the coarsest whose edges cover at most 16 times as many pixels in the mean. For a set without levels
-    /// of detail it sets the tolerance to as many pixels; with levels, a tolerance saves nothing more (docs/lab, "A scene"),
-    /// and is set to 0. `distance` (m, in the mesh's space) is that of the instance's nearest point to the camera; `fov_y`
-    /// (radians) and `viewport_height` (pixels) are the camera's. It is cheap; call it every frame.
+    /// detail to show: the coarsest whose edges cover at most 16 times as many pixels in the mean. Under a
+    /// [budget](crate::deform_within) near instances wait less than distant ones. `distance` (m, in the mesh's space) is that of the
+    /// instance's nearest point to the camera; `fov_y` (radians) and `viewport_height` (pixels) are the camera's. It is cheap; call it
+    /// every frame.
     ///
     /// Not for sets whose further meshes are parts of the body.
     ///
@@ -266,42 +230,21 @@ impl Instance {
         if !(viewport_height > 0.0 && viewport_height.is_finite()) {
             return Err(Error::invalid("viewport_height", viewport_height, "above 0 pixels"));
         }
-        let tolerance = pixel_tolerance(pixels, distance, fov_y, viewport_height);
-        if self.set.lod_count() == 1 {
-            self.set_tolerance(tolerance)?;
+        let a_pixel = distance * 2.0 * libm::tanf(fov_y * 0.5) / viewport_height;
+        self.unseen = (pixels * a_pixel).min(1e9);
+        if self.classic_state().is_some() {
             return Ok(0);
         }
-        self.set_tolerance(0.0)?;
-        if self.classic.is_some() {
-            return Ok(0);
-        }
-        let fits = |(_, lod): &(usize, &MeshLod)| lod.edge() <= EDGES * tolerance;
+        let fits = |(_, lod): &(usize, &MeshLod)| lod.edge() <= EDGES * self.unseen;
         Ok(self.set.lods().enumerate().skip(1).filter(fits).last().map_or(0, |(l, _)| l))
     }
 
-    /// Call this after every change of damage or tolerance.
-    fn update_threshold(&mut self) {
-        let shown = self.growth.shown(&self.damage);
-        self.changes.coarse = coarseness(&self.set, shown.dents());
-        let threshold = threshold(&self.set, shown.dents(), self.tolerance);
-        if threshold != self.threshold {
-            // Displacements below both thresholds are not shown before or after.
-            let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, threshold.min(self.threshold));
-            self.threshold = threshold;
-            shown.touch_all(&mut |d: &Dent| touch.dent(d));
+    /// Moves the nodes to where the damage puts them now, and marks the blocks that follow them.
+    fn show(&mut self) {
+        if let ShapeState::Nodes(nodes) = &mut self.shape {
+            let moved = nodes.show(self.growth.shown(&self.damage), self.limit);
+            self.changes.nodes(&self.set, moved);
         }
-        self.update_nodes();
-    }
-
-    /// Computes the nodes that changed, and marks the blocks of vertices that follow them.
-    fn update_nodes(&mut self) {
-        let (Some(mut state), Some(nodes)) = (self.nodes.take(), self.set.nodes()) else { return };
-        let view = DamageView { nodes: None, ..self.view() };
-        // Without memory the nodes are computed by the next change.
-        if let Ok(changed) = state.update(&view, &nodes.lod, self.changes.blocks.len() - 1) {
-            ChangeRecorder::at(&self.set, &mut self.changes, self.threshold).nodes(changed);
-        }
-        self.nodes = Some(state);
     }
 
     /// Turns the hits that have arrived into damage. The result does not depend on the order or the threads in which
@@ -312,7 +255,6 @@ impl Instance {
             return;
         }
         let constant = self.blend_constant();
-        let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
         let mut new = NewHits::default();
         let mut classic = Vec::new();
         for p in pending {
@@ -322,28 +264,29 @@ impl Instance {
                 Pending::Contact(event) => new.contacts.push(event),
             }
         }
-        let capacity = self.options.capacity as usize;
-        let before = self.growth.is_on().then(|| self.damage.clone());
-        let mut touched = |d: &Dent| touch.dent(d);
-        if self.contacts.len() > 0 || !new.contacts.is_empty() {
-            let params = self.inbox.params();
-            self.contacts.fold(&self.set, &params, capacity, new, &mut self.damage, &mut touched);
-        } else if !new.marks.is_empty() {
-            self.damage.add(&self.set, new.marks, capacity, &mut touched);
-        }
-        if let Some(before) = before {
-            self.growth.begin(&self.set, before, &self.damage, &mut touched);
-        }
-        classic.sort_unstable();
-        if let Some(state) = &mut self.classic {
+        if let ShapeState::Classic(state) = &mut self.shape {
+            classic.sort_unstable();
+            self.changes.epoch += 1;
             for (_, example, weight) in classic {
                 let weight = f32::from_bits(weight);
                 state.apply(&self.set, example, weight, Blend { constant });
-                state.note(touch.changes.epoch, example, weight);
-                touch.example(example as usize);
+                state.note(self.changes.epoch, example, weight);
+                self.changes.example(&self.set, example as usize);
             }
+            return;
         }
-        self.update_threshold();
+        let capacity = self.options.capacity as usize;
+        let before = self.growth.is_on().then(|| self.damage.clone());
+        if self.contacts.len() > 0 || !new.contacts.is_empty() {
+            let params = self.inbox.params();
+            self.contacts.fold(&self.set, &params, capacity, new, &mut self.damage);
+        } else {
+            self.damage.add(&self.set, new.marks, capacity);
+        }
+        if let Some(before) = before {
+            self.growth.begin(&self.set, before, &self.damage);
+        }
+        self.show();
     }
 
     /// Returns the marks, sorted. Beyond the capacity, the mark with the least depth (of all its hits) gives its energy
@@ -389,9 +332,9 @@ impl Instance {
     /// every platform.
     pub fn save(&mut self) -> Vec<u8> {
         self.fold();
-        match &self.classic {
-            Some(state) => state.save(&self.set),
-            None => {
+        match &self.shape {
+            ShapeState::Classic(state) => state.save(&self.set),
+            ShapeState::Nodes(_) => {
                 let mut out = saved::header(&self.set, saved::MARKS, self.damage.marks().len());
                 self.damage.marks().iter().for_each(|m| saved::write_mark(m, &mut out));
                 saved::seal(&mut out);
@@ -413,7 +356,7 @@ impl Instance {
 
     /// Reads the bytes of [`Instance::save`].
     pub(crate) fn read(&self, bytes: &[u8]) -> Result<Saved, Error> {
-        if self.classic.is_some() {
+        if self.classic_state().is_some() {
             return Ok(Saved::Classic(ClassicState::load(&self.set, bytes)?));
         }
         let entries = saved::entries(&self.set, bytes, saved::MARKS, size_of::<Mark>())?;
@@ -425,20 +368,23 @@ impl Instance {
     pub(crate) fn become_saved(&mut self, saved: Saved) {
         self.contacts.close_all();
         self.inbox.queue().clear();
-        self.finish_growth();
-        let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
+        self.growth.finish();
         match saved {
-            Saved::Marks(marks) => {
-                let capacity = self.options.capacity as usize;
-                self.damage.replace(&self.set, marks, capacity, &mut |d: &Dent| touch.dent(d));
-            }
-            Saved::Classic(mut state) => {
-                touch.everything();
-                state.replaced(touch.changes.epoch);
-                self.classic = Some(state);
+            Saved::Marks(marks) => self.damage.replace(&self.set, marks, self.options.capacity as usize),
+            Saved::Classic(state) => {
+                self.shape = ShapeState::Classic(state);
+                self.classic_replaced();
             }
         }
-        self.update_threshold();
+        self.show();
+    }
+
+    /// Marks everything as changed after another change of a classic rule's state than a hit.
+    fn classic_replaced(&mut self) {
+        if let ShapeState::Classic(state) = &mut self.shape {
+            self.changes.everything();
+            state.replaced(self.changes.epoch);
+        }
     }
 
     /// Repairs: scales the depth of every dent by `keep`, 0 to 1. Dents of several hits also get narrower. Ends all
@@ -451,11 +397,9 @@ impl Instance {
             return Err(Error::invalid("keep", keep, "0 (as new) to 1 (nothing repaired)"));
         }
         self.scale(|_| keep.into());
-        if let Some(state) = &mut self.classic {
-            let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
+        if let ShapeState::Classic(state) = &mut self.shape {
             state.scale(&self.set, keep);
-            state.replaced(touch.changes.epoch);
-            touch.everything();
+            self.classic_replaced();
         }
         Ok(())
     }
@@ -487,12 +431,11 @@ impl Instance {
         self.fold();
         self.contacts.close_all();
         let before = self.growth.is_on().then(|| self.damage.clone());
-        let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
-        self.damage.scale(&self.set, keep, &mut |d: &Dent| touch.dent(d));
+        self.damage.scale(&self.set, keep);
         if let Some(before) = before {
-            self.growth.begin(&self.set, before, &self.damage, &mut |d: &Dent| touch.dent(d));
+            self.growth.begin(&self.set, before, &self.damage);
         }
-        self.update_threshold();
+        self.show();
     }
 
     /// Sets the time, s, for the options' [`grow_time`](InstanceOptions::grow_time). A dent that appears, changes or is
@@ -506,35 +449,24 @@ impl Instance {
         if !time.is_finite() {
             return Err(Error::NotFinite { name: "time".into(), value: time.to_string() });
         }
-        if !self.growth.is_growing_at_other_than(time) {
-            self.growth.set_time(time);
-            return Ok(());
+        if self.growth.time() != time {
+            self.growth.advance(&self.set, &self.damage, time);
+            self.show();
         }
-        let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
-        self.growth.advance(&self.set, &self.damage, time, &mut |d: &Dent| touch.dent(d));
-        self.update_threshold();
         Ok(())
-    }
-
-    /// Shows all dents as their marks are.
-    pub(crate) fn finish_growth(&mut self) {
-        let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
-        self.growth.finish(&self.damage, &mut |d: &Dent| touch.dent(d));
     }
 
     /// Removes all damage. Discards hits that have not been folded yet, and ends all contacts.
     pub fn reset(&mut self) {
         self.contacts.close_all();
         self.inbox.queue().clear();
-        self.finish_growth();
-        let mut touch = ChangeRecorder::new(&self.set, &mut self.changes, self.threshold);
-        self.damage.clear(&mut |d: &Dent| touch.dent(d));
-        if let Some(state) = &mut self.classic {
+        self.growth.finish();
+        self.damage.clear();
+        if let ShapeState::Classic(state) = &mut self.shape {
             state.scale(&self.set, 0.0);
-            state.replaced(touch.changes.epoch);
-            touch.everything();
+            self.classic_replaced();
         }
-        self.update_threshold();
+        self.show();
     }
 
     /// Copies the damage of another instance with the same set and the same kind of rule.
@@ -548,13 +480,16 @@ impl Instance {
 
     /// Returns the memory held for this instance, without the shared set, bytes.
     pub fn memory_bytes(&self) -> usize {
+        let shape = match &self.shape {
+            ShapeState::Nodes(nodes) => nodes.memory_bytes(),
+            ShapeState::Classic(state) => state.memory_bytes(),
+        };
         size_of::<Self>()
-            + self.classic.as_ref().map_or(0, ClassicState::memory_bytes)
+            + shape
             + self.changes.blocks.iter().map(|b| b.len() * 8).sum::<usize>()
             + self.damage.memory_bytes()
             + self.contacts.memory_bytes()
             + self.growth.memory_bytes()
-            + self.nodes.as_ref().map_or(0, NodeState::memory_bytes)
     }
 
     /// The blend constant of a classic rule; 0 keeps the most displaced candidate.
@@ -563,11 +498,11 @@ impl Instance {
     }
 
     pub(crate) fn classic_state(&self) -> Option<&ClassicState> {
-        self.classic.as_ref()
+        if let ShapeState::Classic(state) = &self.shape { Some(state) } else { None }
     }
 
     fn only_marks(&self, call: &str) -> Result<(), Error> {
-        if self.classic.is_none() { Ok(()) } else { Err(self.needs_marks(call)) }
+        if self.classic_state().is_none() { Ok(()) } else { Err(self.needs_marks(call)) }
     }
 
     pub(crate) fn needs_marks(&self, call: &str) -> Error {

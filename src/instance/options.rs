@@ -51,8 +51,6 @@ pub struct InstanceOptions {
     pub max_contact_distance: Option<f32>,
     /// How long a dent takes to appear, to deepen or to be repaired, s; 0: no time. See [`crate::Instance::set_time`].
     pub grow_time: f32,
-    /// The most that any vertex may be wrong, m; 0 leaves nothing out. See [`crate::Instance::set_tolerance`].
-    pub tolerance: f32,
 }
 
 impl Default for InstanceOptions {
@@ -68,7 +66,6 @@ impl Default for InstanceOptions {
             compliance: None,
             max_contact_distance: None,
             grow_time: 0.0,
-            tolerance: 0.0,
         }
     }
 }
@@ -89,7 +86,6 @@ impl InstanceOptions {
             at_least_zero("max_contact_distance", d, "m")?;
         }
         check_limit(self.depth_limit)?;
-        at_least_zero("tolerance", self.tolerance, "m")?;
         at_least_zero("grow_time", self.grow_time, "s")?;
         if self.grow_time > 0.0 && self.rule != Rule::Marks {
             return Err(Error::invalid("grow_time", self.grow_time, "0 with a classic rule"));

@@ -11,12 +11,12 @@ use super::inbox::Inbox;
 use super::options::{InstanceOptions, Rule};
 use super::part_state::PartState;
 use crate::base::error::Error;
-use crate::base::math::Aabb;
 use crate::base::tasks::Serial;
 use crate::damage::mark::Mark;
 use crate::damage::overlap::depth_of_one;
 use crate::deform::evaluate::{BlockJob, Scratch, block};
-use crate::deform::view::{DamageView, coarseness};
+use crate::deform::nodes::NodeState;
+use crate::deform::view::Shape;
 use crate::example::set::ExampleSet;
 use crate::mesh::vertex_blocks::{BLOCK, block_range};
 use crate::select::landing::Landing;
@@ -55,13 +55,14 @@ impl Instance {
         let landing = self.landing(&parts)?;
         let alone = Landing::new(&self.set, |v| known.is_in[v], |_| false, &Serial);
         let alone = alone.ok_or_else(|| nothing_in_common(part))?;
-        let options = InstanceOptions { depth_limit: Some(self.limit), tolerance: self.tolerance, ..self.options };
+        let options = InstanceOptions { depth_limit: Some(self.limit), ..self.options };
         let mut released = Instance::new(self.set.clone(), options)?;
         let inbox = self.inbox.clone();
         let mut followers = inbox.followers_mut();
         let bytes = self.save();
         released.load(&bytes)?;
-        released.growth.set_time(self.growth.time());
+        released.set_time(self.growth.time())?;
+        released.unseen = self.unseen;
         released.parts.of = part;
         let own = self.inbox.params();
         let mut params = released.inbox.params_mut();
@@ -138,7 +139,7 @@ impl Instance {
     }
 
     /// Measures how far the vertices of a mesh of the set have moved, and what hit it, after folding the hits that have
-    /// arrived. Dents count in full while they grow, and the tolerance leaves out nothing. So the same damage gives the same
+    /// arrived. Dents count in full while they grow. So the same damage gives the same
     /// numbers on every platform. Takes about as long as a deform of the whole mesh.
     ///
     /// # Errors
@@ -149,8 +150,12 @@ impl Instance {
         if lod > 0 {
             self.only_marks("measure of another mesh than 0")?;
         }
-        let coarse = coarseness(&self.set, self.damage.dents());
-        let view = DamageView { damage: &self.damage, threshold: 0.0, coarse, nodes: None, ..self.view() };
+        // Where dents grow, what is shown is not the damage.
+        let complete = if self.growth.is_growing() { Some(self.nodes_of_damage()?) } else { None };
+        let mut view = self.view();
+        if let Some(nodes) = &complete {
+            view.shape = Shape::Nodes(nodes.view());
+        }
         let (mut scratch, mut positions) = (Scratch::new(), [0.0; 3 * BLOCK]);
         let (mut deepest, mut sum) = (0.0f64, 0.0f64);
         let marks = self.damage.marks();
@@ -164,14 +169,7 @@ impl Instance {
                 *is_on_mesh |= near && at_rest.contains(&contact(mark));
             }
             let positions = &mut positions[..3 * range.len()];
-            block(
-                BlockJob { view: &view, lod: mesh, block: at },
-                &mut scratch,
-                None,
-                positions,
-                None,
-                &mut Aabb::EMPTY.clone(),
-            );
+            block(BlockJob { view: &view, lod: mesh, block: at }, &mut scratch, positions, None);
             for (base, now) in at_rest.iter().zip(positions.chunks_exact(3)) {
                 let moved = (Vec3::from_slice(now).as_dvec3() - base.as_dvec3()).length();
                 deepest = deepest.max(moved);
@@ -184,6 +182,13 @@ impl Instance {
             mean: (sum / mesh.vertex_count().max(1) as f64) as f32,
             energy: depth_of_one(on_mesh),
         })
+    }
+
+    /// The nodes with all dents as their marks are.
+    fn nodes_of_damage(&self) -> Result<NodeState, Error> {
+        let mut nodes = NodeState::new(self.set.nodes().lod.vertex_count(), self.set.depth_limit())?;
+        nodes.show(&self.damage, self.limit);
+        Ok(nodes)
     }
 
     /// Checks the number of a part and finds its vertices.

@@ -156,11 +156,6 @@ impl Mesh {
         Mesh { arrays, ..self }
     }
 
-    /// Removes the limits of its vertices.
-    pub(crate) fn without_limits(self) -> Self {
-        Mesh { limits: Limits::default(), ..self }
-    }
-
     /// How far each vertex may move.
     pub(crate) fn limits(&self) -> &Limits {
         &self.limits

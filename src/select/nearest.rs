@@ -12,8 +12,14 @@ use crate::example::candidates::{Candidate, LANES};
 use crate::example::set::ExampleSet;
 use glam::{BVec4A, Vec4};
 
-/// Makes the mark of a hit from up to `k` examples. `None` if no example fits the hit.
+/// Makes the mark of a hit from up to `k` examples, and writes its outcome. `None` if no example fits the hit.
 pub(crate) fn select_nearest(set: &ExampleSet, k: usize, target: &HitTarget, out: &mut Outcome) -> Option<Mark> {
+    let (placed, mark) = nearest_mark(set, k, target)?;
+    Some(report(set, &placed, mark, out))
+}
+
+/// The mark of a hit from up to `k` examples, and how it is placed.
+pub(crate) fn nearest_mark(set: &ExampleSet, k: usize, target: &HitTarget) -> Option<(PlacedMark, Mark)> {
     let HitTarget { contact, direction, size, .. } = *target;
     let pairs = nearest_pairs(set, k, &HitQuery::new(set, target, set.learned().place_width));
     if pairs[0].is_none() {
@@ -32,7 +38,7 @@ pub(crate) fn select_nearest(set: &ExampleSet, k: usize, target: &HitTarget, out
         return None;
     }
     let placed = if depth == size { placed } else { place(set, contact, depth, &pairs, &rotations) };
-    Some(report(set, &placed, Mark::new(contact, depth, pairs), out))
+    Some((placed, Mark::new(contact, depth, pairs)))
 }
 
 /// Groups of candidates whose bounds are computed before any candidate is looked at closely.

@@ -75,11 +75,8 @@ impl Device {
         let host = self.hosts.get_mut(def.buffer)?;
         let window = host.window(&self.gpu, &self.pipelines, &written)?;
         let (handle, first) = (host.def.buffer, def.offset.wrapping_sub(host.windows[window].range.start));
-        let cases = if mesh.rows.is_some() { &[Case::Nodes][..] } else { &[Case::Anchored, Case::Marks] };
-        for case in cases.iter().copied() {
-            let variant = Variant { kernel, case, packed: layout.packed() };
-            self.gpu.add_pipeline(&mut self.pipelines, variant)?;
-        }
+        let variant = Variant { kernel, case: Case::Nodes, packed: layout.packed() };
+        self.gpu.add_pipeline(&mut self.pipelines, variant)?;
         let mesh = self.arena.mesh(&self.gpu, &limits, set, def.lod)?;
         let (device, set, tracker) = (self.id, Arc::downgrade(set), Tracker::new());
         let state = TargetState { device, set, lod: def.lod, kernel, layout, first, mesh, tracker };

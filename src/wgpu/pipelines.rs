@@ -13,13 +13,10 @@ macro_rules! built {
 }
 
 /// In the order of [`Variant::source`].
-const MODULES: [Module; 3] = built!(include "wgpu_modules.rs");
-const SOURCES: [&str; 3] = [
-    built!(include_str "marks_uniform.wgsl"),
-    built!(include_str "classic_uniform.wgsl"),
-    built!(include_str "nodes_uniform.wgsl"),
-];
-const NAMES: [&str; 3] = ["crumple: marks", "crumple: classic", "crumple: nodes"];
+const MODULES: [Module; 2] = built!(include "wgpu_modules.rs");
+const SOURCES: [&str; 2] =
+    [built!(include_str "nodes_uniform.wgsl"), built!(include_str "classic_uniform.wgsl")];
+const NAMES: [&str; 2] = ["crumple: nodes", "crumple: classic"];
 const WORKGROUP: &str = "@workgroup_size(128)";
 
 /// Layouts, and the pipelines that were needed so far.
@@ -29,7 +26,7 @@ pub(super) struct WgpuPipelines {
     /// Of one buffer: the host's or a state.
     pub one: wgpu::BindGroupLayout,
     /// In the order of [`Variant::source`].
-    layouts: [wgpu::PipelineLayout; 3],
+    layouts: [wgpu::PipelineLayout; 2],
     /// Invocations a workgroup.
     workgroup: u32,
     /// In the order of [`Variant::number`].
@@ -58,7 +55,7 @@ impl WgpuPipelines {
         let work = layout("crumple: work", &[read(0, 4), read(1, 16), call]);
         let one = layout("crumple: buffer", &[binding(0, storage(false), false, 4)]);
         let groups = [Some(&work), Some(&one), Some(&one)];
-        let layouts = [2, 3, 2].map(|count| {
+        let layouts = [2, 3].map(|count| {
             device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                 label: Some("crumple"),
                 bind_group_layouts: &groups[..count],

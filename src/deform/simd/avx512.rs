@@ -3,7 +3,6 @@
 #![expect(clippy::undocumented_unsafe_blocks, reason = "one reason for all of them, said once")]
 
 use super::{Avx2, Simd};
-use crate::example::stamp::Node;
 use std::arch::x86_64::*;
 
 #[derive(Debug, Clone, Copy)]
@@ -23,7 +22,7 @@ unsafe fn halves(v: __m512) -> [__m256; 2] {
     unsafe { [_mm512_castps512_ps256(v), _mm512_extractf32x8_ps::<1>(v)] }
 }
 
-// SAFETY of every block below: the trait's callers run only if AVX-512 is supported, and pass valid pointers and nodes.
+// SAFETY of every block below: the trait's callers run only if AVX-512 is supported, and pass valid pointers.
 impl Simd for Avx512 {
     const LANES: usize = 16;
     type F = __m512;
@@ -34,8 +33,6 @@ impl Simd for Avx512 {
         fn splat(x: f32) -> __m512 = _mm512_set1_ps(x);
         fn load(p: *const f32) -> __m512 = _mm512_loadu_ps(p);
         fn store(p: *mut f32, v: __m512) = _mm512_storeu_ps(p, v);
-        fn prefetch<T>(p: *const T) = _mm_prefetch::<_MM_HINT_T0>(p.cast());
-        fn prefetch_write<T>(p: *mut T) = _mm_prefetch::<_MM_HINT_ET0>(p.cast());
         fn add(a: __m512, b: __m512) -> __m512 = _mm512_add_ps(a, b);
         fn sub(a: __m512, b: __m512) -> __m512 = _mm512_sub_ps(a, b);
         fn mul(a: __m512, b: __m512) -> __m512 = _mm512_mul_ps(a, b);
@@ -50,19 +47,12 @@ impl Simd for Avx512 {
         fn truncate(a: __m512) -> __m512i = _mm512_cvttps_epi32(a);
         fn float(a: __m512i) -> __m512 = _mm512_cvtepi32_ps(a);
         fn add_int(a: __m512i, b: __m512i) -> __m512i = _mm512_add_epi32(a, b);
-        fn sub_int(a: __m512i, b: __m512i) -> __m512i = _mm512_sub_epi32(a, b);
-        fn mul_short(a: __m512i, b: __m512i) -> __m512i = _mm512_madd_epi16(a, b);
         fn dot_pairs(a: __m512i, b: __m512i) -> __m512i = _mm512_madd_epi16(a, b);
         fn load_pairs(p: *const i8) -> __m512i = _mm512_cvtepi8_epi16(_mm256_loadu_si256(p.cast()));
-        fn split(a: __m512i) -> [__m512i; 2] =
-            [_mm512_srli_epi32::<14>(a), _mm512_and_si512(a, _mm512_set1_epi32(0x3FFF))];
-        fn load_i8(p: *const i8) -> __m512 = _mm512_cvtepi32_ps(_mm512_cvtepi8_epi32(_mm_loadu_si128(p.cast())));
-        fn load_i16(p: *const i16) -> __m512 = _mm512_cvtepi32_ps(_mm512_cvtepi16_epi32(_mm256_loadu_si256(p.cast())));
         fn load_halves(p: *const u16) -> __m512 =
             _mm512_castsi512_ps(_mm512_slli_epi32::<16>(_mm512_cvtepu16_epi32(_mm256_loadu_si256(p.cast()))));
         fn packed(low: __m512i, high: __m512i) -> __m512i =
             _mm512_mask_blend_epi16(0xAAAA_AAAA, low, _mm512_slli_epi32::<16>(high));
-        fn load_int(p: *const i32) -> __m512i = _mm512_loadu_si512(p.cast());
         fn store_int(p: *mut i32, v: __m512i) = _mm512_storeu_si512(p.cast(), v);
     }
 
@@ -85,10 +75,6 @@ impl Simd for Avx512 {
         a & b
     }
     #[inline(always)]
-    unsafe fn any(m: __mmask16) -> bool {
-        m != 0
-    }
-    #[inline(always)]
     unsafe fn deinterleave([a, b, c]: [__m512; 3]) -> [__m512; 3] {
         unsafe {
             let ([a0, a1], [b0, b1], [c0, c1]) = (halves(a), halves(b), halves(c));
@@ -103,80 +89,5 @@ impl Simd for Avx512 {
             let (lo, hi) = (Avx2::interleave([x0, y0, z0]), Avx2::interleave([x1, y1, z1]));
             [join(lo[0], lo[1]), join(lo[2], hi[0]), join(hi[1], hi[2])]
         }
-    }
-    #[inline(always)]
-    unsafe fn blend<const ALL: bool>(
-        p: *const Node,
-        row: usize,
-        at: __m512i,
-        near: __m512i,
-        far: __m512i,
-    ) -> [[__m512i; 4]; 2] {
-        unsafe {
-            let mut index = [0i32; 16];
-            _mm512_storeu_si512(index.as_mut_ptr().cast(), at);
-            let nodes = [p, p.add(row)];
-            let a = four::<0x00, 0, ALL>(nodes, &index, [near, far]);
-            let b = four::<0x55, 1, ALL>(nodes, &index, [near, far]);
-            let c = four::<0xAA, 2, ALL>(nodes, &index, [near, far]);
-            let d = four::<0xFF, 3, ALL>(nodes, &index, [near, far]);
-            let rest = if ALL { columns([a[1], b[1], c[1], d[1]]) } else { [_mm512_setzero_si512(); 4] };
-            [columns([a[0], b[0], c[0], d[0]]), rest]
-        }
-    }
-}
-
-/// The weighted sums of four lanes, four apart, each in its quarter. `FIRST` is the first of the lanes. `LANE` selects
-/// the lane's weight within each quarter.
-///
-/// # Safety
-/// As [`Simd::blend`].
-#[inline(always)]
-unsafe fn four<const LANE: i32, const FIRST: usize, const ALL: bool>(
-    rows: [*const Node; 2],
-    at: &[i32; 16],
-    weights: [__m512i; 2],
-) -> [__m512i; 2] {
-    unsafe {
-        let mut sums = [_mm512_setzero_si512(); 2];
-        for k in 0..2 {
-            let (a, b) = (quarters::<FIRST>(rows[k], at), quarters::<FIRST>(rows[k].add(1), at));
-            let w = _mm512_shuffle_epi32::<LANE>(weights[k]);
-            sums[0] = _mm512_add_epi32(sums[0], _mm512_madd_epi16(_mm512_unpacklo_epi16(a, b), w));
-            if ALL {
-                sums[1] = _mm512_add_epi32(sums[1], _mm512_madd_epi16(_mm512_unpackhi_epi16(a, b), w));
-            }
-        }
-        sums
-    }
-}
-
-/// # Safety
-/// As [`Simd::blend`].
-#[inline(always)]
-unsafe fn quarters<const FIRST: usize>(p: *const Node, at: &[i32; 16]) -> __m512i {
-    unsafe {
-        let v = _mm512_castsi128_si512(_mm_loadu_si128(p.add(at[FIRST] as usize).cast()));
-        let v = _mm512_inserti32x4::<1>(v, _mm_loadu_si128(p.add(at[FIRST + 4] as usize).cast()));
-        let v = _mm512_inserti32x4::<2>(v, _mm_loadu_si128(p.add(at[FIRST + 8] as usize).cast()));
-        _mm512_inserti32x4::<3>(v, _mm_loadu_si128(p.add(at[FIRST + 12] as usize).cast()))
-    }
-}
-
-/// Transposes each quarter: four rows become four columns.
-///
-/// # Safety
-/// The processor supports AVX-512.
-#[inline(always)]
-unsafe fn columns([a, b, c, d]: [__m512i; 4]) -> [__m512i; 4] {
-    unsafe {
-        let (ab, cd) = (_mm512_unpacklo_epi32(a, b), _mm512_unpacklo_epi32(c, d));
-        let (ab_high, cd_high) = (_mm512_unpackhi_epi32(a, b), _mm512_unpackhi_epi32(c, d));
-        [
-            _mm512_unpacklo_epi64(ab, cd),
-            _mm512_unpackhi_epi64(ab, cd),
-            _mm512_unpacklo_epi64(ab_high, cd_high),
-            _mm512_unpackhi_epi64(ab_high, cd_high),
-        ]
     }
 }

@@ -28,7 +28,6 @@ pub(crate) use avx512::Avx512;
 pub(crate) use portable::Portable;
 
 use crate::base::error::Error;
-use crate::example::stamp::Node;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU8, Ordering};
 
@@ -124,10 +123,6 @@ pub(crate) trait Simd: Copy {
     unsafe fn splat(x: f32) -> Self::F;
     unsafe fn load(p: *const f32) -> Self::F;
     unsafe fn store(p: *mut f32, v: Self::F);
-    /// Prefetches the cache line of `p` for reading. `p` need not be valid.
-    unsafe fn prefetch<T>(p: *const T);
-    /// Prefetches the cache line of `p` for writing. `p` need not be valid.
-    unsafe fn prefetch_write<T>(p: *mut T);
     unsafe fn add(a: Self::F, b: Self::F) -> Self::F;
     unsafe fn sub(a: Self::F, b: Self::F) -> Self::F;
     unsafe fn mul(a: Self::F, b: Self::F) -> Self::F;
@@ -140,7 +135,6 @@ pub(crate) trait Simd: Copy {
     unsafe fn equal(a: Self::F, b: Self::F) -> Self::M;
     unsafe fn greater(a: Self::F, b: Self::F) -> Self::M;
     unsafe fn both(a: Self::M, b: Self::M) -> Self::M;
-    unsafe fn any(m: Self::M) -> bool;
     /// The least lane. No lane may be NaN.
     unsafe fn lowest(a: Self::F) -> f32;
     /// The greatest lane. No lane may be NaN.
@@ -153,18 +147,9 @@ pub(crate) trait Simd: Copy {
     unsafe fn truncate(a: Self::F) -> Self::I;
     unsafe fn float(a: Self::I) -> Self::F;
     unsafe fn add_int(a: Self::I, b: Self::I) -> Self::I;
-    unsafe fn sub_int(a: Self::I, b: Self::I) -> Self::I;
-    /// The product of numbers from 0 to 2^15 - 1.
-    unsafe fn mul_short(a: Self::I, b: Self::I) -> Self::I;
     /// In each lane, the sum of the products of the two 16-bit numbers.
     unsafe fn dot_pairs(a: Self::I, b: Self::I) -> Self::I;
-    /// The bits above the lowest 14 of numbers that are not negative, and the lowest 14.
-    unsafe fn split(a: Self::I) -> [Self::I; 2];
 
-    /// Loads `LANES` values as floats.
-    unsafe fn load_i8(p: *const i8) -> Self::F;
-    /// Loads `LANES` values as floats.
-    unsafe fn load_i16(p: *const i16) -> Self::F;
     /// Loads two 8-bit numbers a lane, as 16-bit numbers.
     unsafe fn load_pairs(p: *const i8) -> Self::I;
     /// Loads the upper halves of floats whose lower halves are 0.
@@ -176,18 +161,7 @@ pub(crate) trait Simd: Copy {
 
     /// Puts the lower 16 bits of each lane of `high` above those of `low`.
     unsafe fn packed(low: Self::I, high: Self::I) -> Self::I;
-    unsafe fn load_int(p: *const i32) -> Self::I;
     unsafe fn store_int(p: *mut i32, v: Self::I);
-    /// For each lane, a weighted sum of four nodes. The weights of `p[at]` and `p[at + 1]` are the lower and the upper
-    /// 16 bits of `near`. The weights of the two nodes `row` further on are those of `far`. Returns the sums of the
-    /// nodes' first four numbers and, if `ALL`, of the last four (zeros otherwise).
-    unsafe fn blend<const ALL: bool>(
-        p: *const Node,
-        row: usize,
-        at: Self::I,
-        near: Self::I,
-        far: Self::I,
-    ) -> [[Self::I; 4]; 2];
 }
 
 #[cfg(test)]

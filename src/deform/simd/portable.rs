@@ -1,8 +1,7 @@
 //! Eight lanes in the target's baseline instructions.
 
 use super::Simd;
-use crate::example::stamp::Node;
-use wide::{f32x4, f32x8, i16x8, i32x8};
+use wide::{f32x8, i16x8, i32x8};
 
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Portable;
@@ -28,10 +27,6 @@ impl Simd for Portable {
         // SAFETY: there is room for eight floats.
         unsafe { p.cast::<[f32; 8]>().write_unaligned(v.to_array()) }
     }
-    #[inline(always)]
-    unsafe fn prefetch<T>(_p: *const T) {}
-    #[inline(always)]
-    unsafe fn prefetch_write<T>(_p: *mut T) {}
     #[inline(always)]
     unsafe fn add(a: f32x8, b: f32x8) -> f32x8 {
         a + b
@@ -81,10 +76,6 @@ impl Simd for Portable {
         a & b
     }
     #[inline(always)]
-    unsafe fn any(m: f32x8) -> bool {
-        m.any()
-    }
-    #[inline(always)]
     unsafe fn select(m: f32x8, a: f32x8, b: f32x8) -> f32x8 {
         m.select(a, b)
     }
@@ -105,14 +96,6 @@ impl Simd for Portable {
         a + b
     }
     #[inline(always)]
-    unsafe fn sub_int(a: i32x8, b: i32x8) -> i32x8 {
-        a - b
-    }
-    #[inline(always)]
-    unsafe fn mul_short(a: i32x8, b: i32x8) -> i32x8 {
-        a * b
-    }
-    #[inline(always)]
     unsafe fn dot_pairs(a: i32x8, b: i32x8) -> i32x8 {
         let (a, b): ([i16x8; 2], [i16x8; 2]) = (bytemuck::cast(a), bytemuck::cast(b));
         bytemuck::cast([a[0].dot(b[0]), a[1].dot(b[1])])
@@ -122,20 +105,6 @@ impl Simd for Portable {
         // SAFETY: sixteen values are there, as the trait requires.
         let numbers = unsafe { p.cast::<[i8; 16]>().read_unaligned() };
         bytemuck::cast(numbers.map(i16::from))
-    }
-    #[inline(always)]
-    unsafe fn split(a: i32x8) -> [i32x8; 2] {
-        [a >> 14, a & i32x8::splat(0x3FFF)]
-    }
-    #[inline(always)]
-    unsafe fn load_i8(p: *const i8) -> f32x8 {
-        // SAFETY: eight values are there, as the trait requires.
-        f32x8::from(unsafe { p.cast::<[i8; 8]>().read_unaligned() }.map(f32::from))
-    }
-    #[inline(always)]
-    unsafe fn load_i16(p: *const i16) -> f32x8 {
-        // SAFETY: eight values are there, as the trait requires.
-        f32x8::from(unsafe { p.cast::<[i16; 8]>().read_unaligned() }.map(f32::from))
     }
     #[inline(always)]
     unsafe fn load_halves(p: *const u16) -> f32x8 {
@@ -165,43 +134,8 @@ impl Simd for Portable {
         (low & i32x8::splat(0xFFFF)) | high << 16
     }
     #[inline(always)]
-    unsafe fn load_int(p: *const i32) -> i32x8 {
-        // SAFETY: eight numbers are there, as the trait requires.
-        i32x8::from(unsafe { p.cast::<[i32; 8]>().read_unaligned() })
-    }
-    #[inline(always)]
     unsafe fn store_int(p: *mut i32, v: i32x8) {
         // SAFETY: there is room for eight numbers.
         unsafe { p.cast::<[i32; 8]>().write_unaligned(v.to_array()) }
-    }
-    #[inline(always)]
-    unsafe fn blend<const ALL: bool>(
-        p: *const Node,
-        row: usize,
-        at: i32x8,
-        near: i32x8,
-        far: i32x8,
-    ) -> [[i32x8; 4]; 2] {
-        let (at, near, far) = (at.to_array(), near.to_array(), far.to_array());
-        let mut halves = [[f32x4::ZERO; 8]; 2];
-        for (half, columns) in halves.iter_mut().enumerate() {
-            let lanes: [[f32x4; 2]; 4] = std::array::from_fn(|lane| {
-                let i = 4 * half + lane;
-                let mut sum = i32x8::ZERO;
-                for (first, w) in [(at[i] as usize, near[i]), (at[i] as usize + row, far[i])] {
-                    // SAFETY: the node at `at`, the next one and the two a row further on exist.
-                    let [a, b] = unsafe { p.add(first).cast::<[i16x8; 2]>().read_unaligned() };
-                    sum += a.widening_mul(i16x8::splat(w as i16)) + b.widening_mul(i16x8::splat((w >> 16) as i16));
-                }
-                bytemuck::cast(sum)
-            });
-            columns[..4].copy_from_slice(&f32x4::transpose(lanes.map(|l| l[0])));
-            if ALL {
-                columns[4..].copy_from_slice(&f32x4::transpose(lanes.map(|l| l[1])));
-            }
-        }
-        let column = |k: usize| bytemuck::cast([halves[0][k], halves[1][k]]);
-        let [a, b, c, d, e, f, g, h] = std::array::from_fn(column);
-        [[a, b, c, d], [e, f, g, h]]
     }
 }

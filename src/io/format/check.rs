@@ -3,7 +3,6 @@
 use super::layout::wrong;
 use crate::base::error::Error;
 use crate::basis::{MOST_WEIGHT, Rows, TILE};
-use crate::deform::longest;
 use crate::example::blocks::{DeltaBlocks, GROUP, Head, Numbers, Stored, Width, words};
 use crate::mesh::MAX_COORDINATE;
 pub(super) use crate::mesh::nearest::indices_below;
@@ -201,5 +200,13 @@ fn block(a: &DeltaBlocks, h: &Head, len: usize) -> Result<(), (&'static str, Str
 }
 
 fn length(stored: &Stored<'_>) -> f32 {
-    if stored.groups == 0 { 0.0 } else { longest(stored) }
+    fn longest<T: Copy + Into<f32>>(numbers: &[T], step: f32) -> f32 {
+        let square = |v: &[T]| (Vec3::new(v[0].into(), v[1].into(), v[2].into()) * step).length_squared();
+        numbers.chunks_exact(3).map(square).fold(0.0, f32::max).sqrt()
+    }
+    match stored.numbers {
+        Numbers::I8(n) => longest(n, stored.step),
+        Numbers::I16(n) => longest(n, stored.step),
+        Numbers::F32(n) => longest(n, stored.step),
+    }
 }

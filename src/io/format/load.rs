@@ -37,8 +37,11 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
     if !(1..=MAX_MESHES as u32).contains(&record.meshes) {
         return Err(wrong("the number of meshes", record.meshes, format!("1 to {MAX_MESHES}")));
     }
-    let follows = flag("byte 63 of section set, whether vertices follow nodes,", record.nodes)?;
-    let all_meshes = record.meshes + u32::from(follows);
+    if record.nodes != 1 {
+        return Err(wrong("byte 63 of section set, whether vertices follow nodes,", record.nodes, "1; bake the set again"));
+    }
+    // The nodes are the last mesh.
+    let all_meshes = record.meshes + 1;
     file.check_meshes(all_meshes)?;
     if !(1..u32::from(u16::MAX)).contains(&record.examples) {
         return Err(wrong("the number of examples", record.examples, "1 to 65534"));
@@ -53,13 +56,16 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
         return Err(wrong("the tolerance", record.tolerance, "such that its steps are floats"));
     }
     for k in 0..all_meshes {
-        meshes.push(mesh_lod(&file, k, count, steps)?);
+        // Levels of detail follow nodes and have no examples.
+        let has_examples = k == 0 || k == record.meshes;
+        meshes.push(mesh_lod(&file, k, if has_examples { count } else { 0 }, steps)?);
     }
     let stamps = stamps(&file, &records)?;
     check_all(&meshes, sound, tasks)?;
-    let nodes = if follows { meshes.pop() } else { None };
-    let each = |nodes: &MeshLod| (0..).zip(&meshes).map(|(k, lod)| rows(&file, k, &lod.mesh, nodes)).collect();
-    let rows: Option<Vec<Rows>> = nodes.as_ref().map(each).transpose()?;
+    let (Some(nodes), false) = (meshes.pop(), meshes.is_empty()) else {
+        return Err(wrong("the number of meshes", 0, "at least 1"));
+    };
+    let rows = (0..).zip(&meshes).map(|(k, lod)| rows(&file, k, &lod.mesh, &nodes)).collect::<Result<Vec<_>, _>>()?;
     let mut meshes = meshes.into_iter();
     let Some(base) = meshes.next() else { return Err(wrong("the number of meshes", 0, "at least 1")) };
     let lods = (1..).zip(meshes).map(|(k, lod)| {
@@ -96,15 +102,13 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
         widest_weld: record.widest_weld,
         source_order: (!order.is_empty()).then_some(order),
     });
+    set.follow(nodes, rows);
     let rule: Array<u8> = file.array(Id::Rule, 0)?;
     if !rule.is_empty() {
-        let Some(nodes) = nodes.as_ref().filter(|nodes| nodes.mesh.normals().is_some()) else {
-            return Err(wrong("section rule", "there", "absent where vertices have no normals or follow no nodes"));
-        };
-        set.set_rule(LearnedRule::from_bytes(&set.rule_source(nodes), &rule)?);
-    }
-    if let (Some(nodes), Some(rows)) = (nodes, rows) {
-        set.follow(nodes, rows);
+        if set.mesh().normals().is_none() {
+            return Err(wrong("section rule", "there", "absent where vertices have no normals"));
+        }
+        set.set_rule(LearnedRule::from_bytes(&set.rule_source(&set.nodes().lod), &rule)?);
     }
     Ok(set)
 }

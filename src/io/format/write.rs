@@ -50,9 +50,7 @@ impl<'a> File<'a> {
             // Its numbers were finite when it was learned.
             file.pieces(Id::Rule, 0, 1, vec![Cow::Owned(rule.to_bytes().unwrap_or_default())]);
         }
-        if let Some(nodes) = set.nodes() {
-            file.mesh_lod(set.lod_count() as u32, &nodes.lod, 0.0);
-        }
+        file.mesh_lod(set.lod_count() as u32, &set.nodes().lod, 0.0);
         let (inner, leaves) = set.index().parts();
         file.array(Id::IndexInner, 0, inner);
         file.array(Id::IndexLeaves, 0, leaves);
@@ -155,7 +153,7 @@ impl<'a> File<'a> {
             mirror: o.mirror.into(),
             held_rims: o.held_rims.into(),
             planes: r.mirror_planes.bits(),
-            nodes: set.nodes().is_some().into(),
+            nodes: 1,
         };
         self.records(Id::Set, 0, &[record]);
         let examples: Vec<ExampleRecord> = set
@@ -216,12 +214,10 @@ impl<'a> File<'a> {
         let [depths, gives] = mesh.limits().parts();
         self.array(Id::DepthLimits, k, depths);
         self.array(Id::Gives, k, gives);
-        if let Some(rows) = &lod.rows {
-            self.array(Id::Tiles, k, &rows.tiles);
-            self.array(Id::TileNodes, k, &rows.nodes);
-            self.array(Id::Weights, k, &rows.weights);
-            self.array(Id::Slopes, k, &rows.slopes);
-        }
+        self.array(Id::Tiles, k, &lod.rows.tiles);
+        self.array(Id::TileNodes, k, &lod.rows.nodes);
+        self.array(Id::Weights, k, &lod.rows.weights);
+        self.array(Id::Slopes, k, &lod.rows.slopes);
         let records: Vec<AnchoredRecord> = lod
             .anchored
             .iter()

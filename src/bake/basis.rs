@@ -1,26 +1,20 @@
 //! Lets a set's vertices follow nodes: learns the basis from the set's examples, and from hits all over the body.
 
-use super::options::{InstanceOptions, Rule};
-use super::selection::{Effect, select};
+use super::lod::rows_of;
 use crate::base::error::Error;
-use crate::base::math::Aabb;
 use crate::base::tasks::{TaskSystem, map};
 use crate::basis::Basis;
 use crate::basis::learn::{BasisOptions, BasisReport};
-use crate::damage::changes::Changes;
-use crate::damage::list::Damage;
-use crate::deform::evaluate::{self, BlockJob, Scratch};
-use crate::deform::view::DamageView;
+use crate::damage::dent::Dent;
 use crate::example::blocks::DeltaBlocks;
 use crate::example::mesh_lod::MeshLod;
 use crate::example::rule::LearnedRule;
-use crate::example::set::ExampleSet;
+use crate::example::set::{ExampleSet, deepest};
 use crate::mesh::Mesh;
 use crate::mesh::data::MeshData;
-use crate::mesh::vertex_blocks::block_range;
-use crate::select::hit::Hit;
-use crate::select::target::HitParams;
-use glam::{DMat3, DVec3, Vec3};
+use crate::select::nearest::nearest_mark;
+use crate::select::target::HitTarget;
+use glam::Vec3;
 use std::hash::Hasher;
 use std::sync::Arc;
 use twox_hash::XxHash3_64;
@@ -29,8 +23,12 @@ use twox_hash::XxHash3_64;
 const HITS: usize = 64;
 /// The most examples that it is learned from, evenly spread over the list.
 const EXAMPLES: usize = 256;
-/// The least depth of those hits, as a share of the depth limit.
+/// Examples that a hit mixes.
+const MIXED: usize = 3;
+/// The least depth of those hits, as a share of the deepest example.
 const SHALLOW: f32 = 0.15;
+/// The tolerance unless one is given, as a share of the deepest example.
+const TOLERANCE: f32 = 1.0 / 256.0;
 
 /// What a set has learned of hits.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,10 +43,9 @@ pub struct RuleReport {
 }
 
 impl ExampleSet {
-    /// Lets the vertices of the base mesh follow *nodes*, a few of them, whose displacements alone are then computed from marks
-    /// (docs/model.md, "Nodes"). A hit and a frame cost less, the more so the more examples and marks there
-    /// are. Vertices are wrong by about the tolerance; the report says how much at worst. Marks, contacts and saved damage do not
-    /// change. Levels of detail follow the same nodes: their vertices at positions of base vertices exactly like these.
+    /// Learns again how the vertices follow *nodes*, a few of them, whose displacements alone are computed from hits
+    /// (docs/model.md, "Nodes"). [`ExampleSet::build`] has done so with a tolerance of a 256th of the deepest example. Vertices are
+    /// wrong by about the tolerance; the report says how much at worst. A rule is forgotten: [learn](ExampleSet::learn_rule) it afterwards.
     ///
     /// The basis is learned from the set's examples and from hits all over the body. Vertices that are neighbours in space should be
     /// neighbours in memory ([`reorder`](fn@crate::reorder)): 64 consecutive vertices follow the same nodes.
@@ -58,39 +55,45 @@ impl ExampleSet {
     /// # Errors
     /// [`Error::InvalidArgument`] naming the option; [`Error::OutOfMemory`]. After an error nothing has changed.
     pub fn learn_basis(&mut self, options: &BasisOptions, tasks: &dyn TaskSystem) -> Result<BasisReport, Error> {
-        let unlimited = self.unlimited(tasks);
         let step = self.examples().len().div_ceil(EXAMPLES);
         let examples = (0..self.examples().len()).step_by(step).map(|i| self.base_lod().field(i));
-        let thrown = map(tasks, 0..HITS, |i| self.thrown(&unlimited, i));
+        let thrown = map(tasks, 0..HITS, |i| self.thrown(i));
         let fields: Vec<Vec<Vec3>> = examples.chain(thrown.into_iter().flatten()).collect();
         let fields: Vec<&[Vec3]> = fields.iter().map(Vec::as_slice).collect();
         let (basis, report) = Basis::learn(self.mesh(), &fields, options, tasks)?;
         let nodes = self.node_mesh(basis.nodes(), tasks)?;
-        let others = self.lods().skip(1).map(|lod| self.rows_by((&nodes, &basis.rows), lod, tasks));
-        let rows = others.collect::<Vec<_>>();
-        self.follow(nodes, std::iter::once(basis.rows).chain(rows).collect());
+        let mut rows = Vec::with_capacity(self.lod_count());
+        for lod in self.lods().skip(1) {
+            rows.push(rows_of(self, &basis.rows, &lod.mesh, tasks)?.0);
+        }
+        rows.insert(0, basis.rows);
+        self.follow(nodes, rows);
         Ok(report)
+    }
+
+    /// The basis of a new set.
+    pub(super) fn first_basis(&mut self, tasks: &dyn TaskSystem) -> Result<(), Error> {
+        let tolerance = (TOLERANCE * deepest(self.examples())).max(f32::MIN_POSITIVE);
+        self.learn_basis(&BasisOptions::new(tolerance), tasks).map(|_| ())
     }
 
     /// Lets the set predict hits from all of its examples at once, instead of mixing a few of them
     /// (docs/model.md, "The learned rule"). The more examples there are, the nearer it is to what they would show: more examples cost
     /// memory, and a hit or a frame hardly more. Marks then hold the hit itself, and have no pairs.
     ///
-    /// Vertices must follow nodes ([`ExampleSet::learn_basis`]). The fingerprint changes, because saved damage looks different now. Call it
-    /// before instances are made. Instances with a classic rule are not affected.
+    /// The fingerprint changes, because saved damage looks different now. Call it before instances are made. Instances with a classic
+    /// rule are not affected.
     ///
     /// With each example left out in turn, the set compares the rule with what the nearest examples say. Hits are predicted only where the
     /// rule is better, which the report tells: with few examples of a smooth body it often is not.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] if vertices do not follow nodes, or the mesh has no normals. After an error nothing has changed.
+    /// [`Error::Unsupported`] if the mesh has no normals. After an error nothing has changed.
     pub fn learn_rule(&mut self, tasks: &dyn TaskSystem) -> Result<RuleReport, Error> {
-        let needs = |what: &str| Error::Unsupported { what: format!("learning the rule {what}") };
-        let Some(nodes) = self.nodes() else { return Err(needs("of a set without a basis: call learn_basis first")) };
         if self.mesh().normals().is_none() {
-            return Err(needs("of a mesh without normals"));
+            return Err(Error::Unsupported { what: "learning the rule of a mesh without normals".into() });
         }
-        let rule = LearnedRule::learn(&self.rule_source(&nodes.lod), tasks)?;
+        let rule = LearnedRule::learn(&self.rule_source(&self.nodes().lod), tasks)?;
         let mut errors = rule.errors().iter().copied();
         let errors = self.examples().iter().map(|e| if e.is_empty() { 0.0 } else { errors.next().unwrap_or(1.0) });
         let [blows, displacements] = rule.predicts();
@@ -105,60 +108,20 @@ impl ExampleSet {
         Ok(report)
     }
 
-    /// The base mesh without limits of its vertices, which hold for what follows and not for nodes.
-    fn unlimited(&self, tasks: &dyn TaskSystem) -> MeshLod {
-        let mesh = self.mesh().clone().without_limits();
-        let rim = self.rim().on(self.mesh(), &mesh, tasks);
-        MeshLod::new(mesh, rim, self.base_lod().anchored.clone())
-    }
-
     /// The displacements that a hit leaves, the `i`-th of a sequence that fills the body and the depths evenly. `None` if no example
     /// answers it.
-    fn thrown(&self, mesh: &MeshLod, i: usize) -> Option<Vec<Vec3>> {
+    fn thrown(&self, i: usize) -> Option<Vec<Vec3>> {
         /// Multiples of them are spread evenly over 0 to 1 (Roberts' sequence in two dimensions).
         const STEPS: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_3];
         let at = |k: usize| (0.5 + STEPS[k] * (i + 1) as f64).fract();
-        let v = ((at(0) * self.vertex_count() as f64) as u32).min(self.vertex_count() as u32 - 1);
-        let depth = self.depth_limit() * (SHALLOW + (1.0 - SHALLOW) * at(1) as f32);
-        let normal = self.mesh().contact_normal(v)?;
-        let hit = Hit::displacement(self.mesh().positions()[v as usize].to_array(), (normal * -depth).to_array());
-        let options = InstanceOptions::default();
-        let params = HitParams {
-            selection: options.selection,
-            examples_per_hit: options.examples_per_hit as usize,
-            depth_limit: self.depth_limit(),
-            yield_impulse: 0.0,
-            yield_displacement: 0.0,
-            compliance: None,
-            max_distance: f32::MAX,
-            world_to_local: DMat3::IDENTITY,
-            local_origin_in_world: DVec3::ZERO,
-            landing: None,
-        };
-        let (_, Effect::Mark(mark)) = select(self, Rule::Marks, &params, &hit).ok()? else { return None };
-        let mut damage = Damage::default();
-        damage.add(self, vec![mark], 1, &mut |_| ());
-        let changes = Changes { instance: 0, epoch: 0, coarse: 1.0, follows: false, blocks: Vec::new() };
-        let view = DamageView {
-            set: self,
-            damage: &damage,
-            depth_limit: f32::MAX,
-            threshold: 0.0,
-            tolerance: 0.0,
-            coarse: 1.0,
-            changes: &changes,
-            vertices: None,
-            nodes: None,
-        };
-        let mut scratch = Scratch::new();
+        let contact = ((at(0) * self.vertex_count() as f64) as u32).min(self.vertex_count() as u32 - 1);
+        let size = deepest(self.examples()) * (SHALLOW + (1.0 - SHALLOW) * at(1) as f32);
+        let normal = self.mesh().contact_normal(contact)?;
+        let target = HitTarget { contact, normal: Some(normal), direction: -normal, size, strike: None, told: None };
+        let (_, mark) = nearest_mark(self, MIXED, &target)?;
         let mut field = vec![Vec3::ZERO; self.vertex_count()];
-        for block in 0..mesh.blocks() {
-            let range = block_range(block, field.len());
-            let to = &mut field[range.clone()];
-            let job = BlockJob { view: &view, lod: mesh, block };
-            evaluate::block(job, &mut scratch, None, bytemuck::cast_slice_mut(to), None, &mut Aabb::EMPTY.clone());
-            to.iter_mut().zip(&mesh.mesh.positions()[range]).for_each(|(u, base)| *u -= *base);
-        }
+        let dent = Dent::of_one_hit(self, &mark);
+        dent.alone_on(self, self.base_lod()).into_iter().for_each(|(v, u)| field[v as usize] = u);
         Some(field)
     }
 
