@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use baked::{load_and_use, repair};
 use crumple::{
-    Blow, DeformJob, Deltas, Error, ErrorKind, ExampleData, ExampleSet, Hit, MeshData, Placement, Seams, Serial,
+    Blow, DeformJob, Deltas, Error, ErrorKind, ExampleData, ExampleSet, Hit, MeshData, Placement, Serial,
     SetOptions, Striker, ThreadPool, Tracker, VertexMass, VertexMemory,
 };
 use proptest::prelude::*;
@@ -65,7 +65,6 @@ fn small_sets() -> Vec<(&'static str, Arc<ExampleSet>)> {
     add("baked cube", &cube, &bowls, SetOptions { stamp_resolution: 8, ..baked(1e-3) });
     let all_options = SetOptions {
         depth_limit: Some(0.2),
-        seams: Seams::Keep,
         mass: VertexMass::PerVertex(masses),
         drop_below: 1e-4,
         stamp_resolution: 9,
@@ -87,7 +86,6 @@ fn small_sets() -> Vec<(&'static str, Arc<ExampleSet>)> {
 fn sets() -> Vec<(String, Arc<ExampleSet>)> {
     let mut all: Vec<(String, Arc<ExampleSet>)> =
         small_sets().into_iter().chain(scenes::small_bodies()).map(|(n, s)| (n.to_owned(), s)).collect();
-    all.push(("following".into(), scenes::following(("cube", scenes::cube_set())).1));
     for body in ["panel", "tube"] {
         let (mesh, mut examples) = scenes::solver(body);
         examples.truncate(9);

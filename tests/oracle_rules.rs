@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use crumple::{
     Blow, Contact, Deltas, ExampleData, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, Mark, MeshData, Mirror,
-    Outcome, Pair, Placement, Rule, Seams, Selection, SetOptions, Striker,
+    Outcome, Pair, Placement, Rule, Selection, SetOptions, Striker,
 };
 use oracle::marks::Limit;
 use oracle::response::{Known, Strike};
@@ -19,12 +19,12 @@ use scenes::{Dice, Output, build, new, push};
 
 /// A random set: a bumpy sheet, ball or cube, with smooth and ragged examples. Some are anchored, some carried, some
 /// without a given contact.
-fn random_set(dice: &mut Dice, seams: Seams) -> Arc<ExampleSet> {
-    let (mesh, examples, options) = random_data(dice, seams);
+fn random_set(dice: &mut Dice) -> Arc<ExampleSet> {
+    let (mesh, examples, options) = random_data(dice);
     build(mesh, examples, options)
 }
 
-fn random_data(dice: &mut Dice, seams: Seams) -> (MeshData, Vec<ExampleData>, SetOptions) {
+fn random_data(dice: &mut Dice) -> (MeshData, Vec<ExampleData>, SetOptions) {
     let mut mesh = match dice.index(3) {
         0 => scenes::sheet(6 + dice.index(8)),
         1 => scenes::ball(2),
@@ -61,7 +61,7 @@ fn random_data(dice: &mut Dice, seams: Seams) -> (MeshData, Vec<ExampleData>, Se
     dice.index(4); // a number of the sequences that the seeds below were found with
     let stamp_resolution = 8 + dice.index(20) as u32;
     let (mirror, held_rims) = (dice.index(4) != 0, dice.index(6) != 0);
-    let options = SetOptions { seams, depth_limit, stamp_resolution, mirror, held_rims, ..Default::default() };
+    let options = SetOptions { depth_limit, stamp_resolution, mirror, held_rims, ..Default::default() };
     (mesh, examples, options)
 }
 
@@ -192,11 +192,9 @@ fn ragged(mesh: &MeshData, dice: &mut Dice) -> ExampleData {
     ExampleData::new("ragged", Deltas::Sparse { indices, values })
 }
 
-/// Asserts that two points agree within the resolution of f32 and of the weights. `size` is the size of the
-/// displacements summed.
+/// Asserts that two displacements agree within the resolution of f32 and of the weights. `size` is the size of what was summed.
 fn agree(is: V, ought: V, size: f64, what: &str) -> Result<(), TestCaseError> {
-    let off = length(sub(is, ought));
-    let allowed = marks::rounding(ought, size);
+    let (off, allowed) = (length(sub(is, ought)), marks::rounding(ought, size, 0.0));
     prop_assert!(off <= allowed, "{what}: {is:?} is {off:e} from {ought:?}; {allowed:e} is allowed");
     Ok(())
 }
@@ -211,44 +209,31 @@ fn random_marks(set: &Arc<ExampleSet>, dice: &mut Dice, options: &InstanceOption
     instance
 }
 
-/// Compares every vertex of the instance between the library and the oracle.
-fn check_evaluation(instance: &mut Instance, limit: f64) -> Result<(), TestCaseError> {
-    check_limited(instance, &vec![Limit { depth: limit, give: 1.0 }; instance.example_set().vertex_count()])
+/// Compares every vertex between the library and the oracle, for the instance's damage on a body with a node at every vertex.
+fn check_evaluation(instance: &mut Instance) -> Result<(), TestCaseError> {
+    let count = instance.example_set().vertex_count();
+    check_limited(instance, &vec![Limit { depth: f64::INFINITY, give: 1.0 }; count])
 }
 
 /// The same for a set whose vertices have these limits.
 fn check_limited(instance: &mut Instance, limits: &[Limit]) -> Result<(), TestCaseError> {
-    let set = instance.example_set().clone();
+    let set = scenes::every_node(instance.example_set());
+    let mut exact = Instance::new(set.clone(), *instance.options()).unwrap();
+    exact.load(&instance.save()).unwrap();
     let model = Model::of(&set);
-    let list = marks::marks_of(&model, instance.marks().unwrap());
+    let list = marks::marks_of(&model, exact.marks().unwrap());
     let scaled = marks::scaled(&model, &list);
-    let sizes: Vec<(f64, f64)> = scaled.iter().map(|m| marks::size(&model, m)).collect();
-    let (size, turn) = sizes.iter().fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
-    let out = Output::fresh(instance);
-    for (v, limit) in limits.iter().enumerate() {
+    let size: f64 = scaled.iter().map(|m| marks::size(&model, m)).sum();
+    let limit = f64::from(exact.depth_limit());
+    let out = Output::fresh(&mut exact);
+    for (v, own) in limits.iter().enumerate() {
         if list.iter().any(|m| marks::on_a_border(&model, m, v)) {
             continue;
         }
-        let (u, _) = marks::displacement(&model, &scaled, v, *limit);
-        let base = model.positions[v];
-        agree(from_f32(out.positions[v]), add(base, u), size, &format!("position of vertex {v}"))?;
-        let clear = model.windows[v].clear;
-        if set.mesh().normals().is_some() && clear {
-            let n = marks::normal(&model, &scaled, v, *limit);
-            let off = length(sub(from_f32(out.normals[v]), n));
-            let change = marks::normal_sum(&model, &scaled, v, *limit);
-            // near a vanishing sum the direction is undefined
-            if length(change) > 0.05 {
-                // changes of normals are shortened as the displacement is; if the displacement is less than its
-                // rounding, by any factor up to 1
-                let free = Limit { depth: f64::INFINITY, give: 1.0 };
-                let (plain, _) = marks::displacement(&model, &scaled, v, free);
-                let turned = sub(marks::normal_sum(&model, &scaled, v, free), model.normals[v]);
-                let shortened = (marks::WEIGHTS * size / length(plain)).min(1.0) * length(turned);
-                let allowed = (2.0 * marks::WEIGHTS * (1.0 + turn) + shortened) / length(change);
-                prop_assert!(off <= allowed, "normal of vertex {v}: {:?} is {off:e} from {n:?}", out.normals[v]);
-            }
-        }
+        let ought = add(model.positions[v], marks::displacement(&model, &scaled, v, limit, *own));
+        let off = length(sub(from_f32(out.positions[v]), ought));
+        let allowed = marks::rounding(ought, size, limit.min(16.0 * model.depth_limit));
+        prop_assert!(off <= allowed, "vertex {v}: {:?} is {off:e} from {ought:?}; {allowed:e} is allowed", out.positions[v]);
     }
     Ok(())
 }
@@ -259,7 +244,7 @@ proptest! {
     #[test]
     fn nearest_vertex_is_the_nearest(seed in any::<u64>()) {
         let mut dice = Dice::new(seed);
-        let set = random_set(&mut dice, Seams::Weld);
+        let set = random_set(&mut dice);
         let model = Model::of(&set);
         for _ in 0..50 {
             let point = dice.vector(1.0);
@@ -302,24 +287,18 @@ proptest! {
         indices.iter().zip(values).for_each(|(i, d)| full[*i as usize] = *d);
         let as_full = ExampleData { positions: Deltas::Full(full.clone()), ..example.clone() };
         let groups = scenes::coincident(&mesh.positions);
-        for seams in [Seams::Keep, Seams::Weld] {
-            let options = SetOptions { seams, ..SetOptions::default() };
-            let set = build(mesh.clone(), vec![example.clone(), as_full.clone()], options);
-            for v in 0..full.len() {
-                let given = match groups.iter().find(|g| g.contains(&v)).filter(|_| seams == Seams::Weld) {
-                    Some(group) => {
-                        let sum = group.iter().fold([0.0; 3], |s, v| add(s, from_f32(full[*v])));
-                        scale(1.0 / group.len() as f64, sum)
-                    }
-                    None => from_f32(full[v]),
-                };
-                for e in set.examples() {
-                    let stored = e.delta(v as u32).to_array();
-                    prop_assert!(length(sub(from_f32(stored), given)) <= 1e-7, "vertex {v}: {stored:?}, given {given:?}");
-                    if seams == Seams::Keep {
-                        prop_assert_eq!(stored, full[v]);
-                    }
+        let set = build(mesh.clone(), vec![example.clone(), as_full.clone()], SetOptions::default());
+        for v in 0..full.len() {
+            let given = match groups.iter().find(|g| g.contains(&v)) {
+                Some(group) => {
+                    let sum = group.iter().fold([0.0; 3], |s, v| add(s, from_f32(full[*v])));
+                    scale(1.0 / group.len() as f64, sum)
                 }
+                None => from_f32(full[v]),
+            };
+            for e in set.examples() {
+                let stored = e.delta(v as u32).to_array();
+                prop_assert!(length(sub(from_f32(stored), given)) <= 1e-7, "vertex {v}: {stored:?}, given {given:?}");
             }
         }
     }
@@ -327,14 +306,14 @@ proptest! {
     #[test]
     fn the_classic_rules_are_the_papers(seed in any::<u64>(), k in prop_oneof![Just(0.0f32), 0.0f32..=1.0], clamp in any::<bool>()) {
         let mut dice = Dice::new(seed);
-        let set = random_set(&mut dice, Seams::Weld);
+        let set = random_set(&mut dice);
         check_classic(&set, &mut dice, k, clamp)?;
     }
 
     #[test]
     fn the_default_selection_is_the_designs(seed in any::<u64>(), k in 1u32..=4) {
         let mut dice = Dice::new(seed);
-        let set = random_set(&mut dice, Seams::Weld);
+        let set = random_set(&mut dice);
         check_selection(&set, &mut dice, k, 12)?;
     }
 
@@ -348,25 +327,24 @@ proptest! {
     #[test]
     fn planes_rims_and_what_is_learned_are_the_models(seed in any::<u64>()) {
         let mut dice = Dice::new(seed);
-        let seams = [Seams::Weld, Seams::Keep][dice.index(2)];
-        check_body(&random_set(&mut dice, seams))?;
+        dice.index(2);
+        check_body(&random_set(&mut dice))?;
     }
 
     #[test]
     fn one_to_six_marks_displace_as_the_design_says(seed in any::<u64>(), hits in 1usize..=6, k in 1u32..=4) {
         let mut dice = Dice::new(seed);
-        let set = random_set(&mut dice, Seams::Weld);
+        let set = random_set(&mut dice);
         let depth_limit = (dice.index(3) == 0).then(|| dice.between(0.01, 0.3));
         let options = InstanceOptions { examples_per_hit: k, depth_limit, ..InstanceOptions::default() };
         let mut instance = random_marks(&set, &mut dice, &options, hits);
-        check_evaluation(&mut instance, f64::from(depth_limit.unwrap_or(set.depth_limit())))?;
+        check_evaluation(&mut instance)?;
     }
 
     #[test]
     fn limits_of_vertices_shorten_as_the_design_says(seed in any::<u64>(), hits in 1usize..=6) {
         let mut dice = Dice::new(seed);
-        let seams = [Seams::Weld, Seams::Keep][dice.index(2)];
-        let (mut mesh, examples, options) = random_data(&mut dice, seams);
+        let (mut mesh, examples, options) = random_data(&mut dice);
         // numbers that are stored exactly
         let count = mesh.positions.len();
         let depths: Vec<f32> =
@@ -383,7 +361,7 @@ proptest! {
         };
         let limits: Vec<Limit> = (0..count)
             .map(|v| Limit {
-                depth: f64::from(if given != 0 { least(v, &|w| depths[w]) } else { f32::INFINITY }.min(set.depth_limit())),
+                depth: f64::from(if given != 0 { least(v, &|w| depths[w]) } else { f32::INFINITY }),
                 give: f64::from(if given != 1 { least(v, &|w| 1.0 - stiffness[w]) } else { 1.0 }),
             })
             .collect();
@@ -391,7 +369,8 @@ proptest! {
         check_limited(&mut instance, &limits)?;
         for _ in 0..8 {
             let outcome = instance.preview(&scenes::random_hit(&set, &mut dice)).unwrap();
-            let limit = limits[outcome.contact_vertex as usize];
+            let own = limits[outcome.contact_vertex as usize];
+            let limit = Limit { depth: own.depth.min(f64::from(set.depth_limit())), ..own };
             let rigid = limit.depth == 0.0 || limit.give == 0.0;
             prop_assert_eq!(outcome.status == HitStatus::Rigid, rigid, "{:?}", outcome);
             let over = length(from_f32(outcome.target)) / limit.depth - 1.0;
@@ -400,17 +379,9 @@ proptest! {
     }
 
     #[test]
-    fn torn_seams_are_kept_when_asked_for(seed in any::<u64>(), hits in 1usize..=4) {
-        let mut dice = Dice::new(seed);
-        let set = random_set(&mut dice, Seams::Keep);
-        let mut instance = random_marks(&set, &mut dice, &InstanceOptions::default(), hits);
-        check_evaluation(&mut instance, f64::from(set.depth_limit()))?;
-    }
-
-    #[test]
     fn repeats_and_the_capacity_keep_the_ledger(seed in any::<u64>(), capacity in 1u32..12) {
         let mut dice = Dice::new(seed);
-        let set = random_set(&mut dice, Seams::Weld);
+        let set = random_set(&mut dice);
         check_ledger(&set, &mut dice, capacity)?;
     }
 
@@ -418,11 +389,11 @@ proptest! {
     fn saved_and_arbitrary_marks_evaluate_alike(seed in any::<u64>()) {
         // marks that no selection would make: any contact, any shares, anchored or carried as the example allows
         let mut dice = Dice::new(seed);
-        let set = random_set(&mut dice, Seams::Weld);
+        let set = random_set(&mut dice);
         let list: Vec<Mark> = (0..1 + dice.index(5)).map(|_| any_mark(&set, &mut dice)).collect();
         let mut instance = new(&set);
         instance.set_marks(&list).unwrap();
-        check_evaluation(&mut instance, f64::from(set.depth_limit()))?;
+        check_evaluation(&mut instance)?;
     }
 }
 
@@ -717,7 +688,7 @@ mod solver_bodies {
         for hits in [1, 3, 6] {
             let options = InstanceOptions::default();
             let mut instance = random_marks(&set, &mut dice, &options, hits);
-            check_evaluation(&mut instance, f64::from(set.depth_limit())).unwrap();
+            check_evaluation(&mut instance).unwrap();
         }
         for (k, clamp) in [(0.0, true), (0.5, true), (0.1, false)] {
             check_classic(&set, &mut dice, k, clamp).unwrap();
@@ -764,11 +735,12 @@ fn quick_eight_marks_at_one_vertex_add_energies() {
     let down = ExampleData::new("down", Deltas::Sparse { indices: vec![0], values: vec![[0.0, 0.0, -1.0]] });
     let options = SetOptions { depth_limit: Some(100.0), ..SetOptions::default() };
     let set = build(mesh, vec![ExampleData { placement: Placement::Anchored, ..down }], options);
+    // Nodes move in steps of a 16 000th of the limit at most.
     let mut instance = Instance::new(set, InstanceOptions::default()).unwrap();
     for n in 1..=8u16 {
         instance.submit(&push([0.0; 3], [0.0, 0.0, -1.0])).unwrap();
         let z = Output::fresh(&mut instance).positions[0][2];
-        assert!((z + f32::from(n).powf(1.0 / 2.4)).abs() < 1e-6, "{n} hits: {z}");
+        assert!((z + f32::from(n).powf(1.0 / 2.4)).abs() < 100.0 / 16000.0, "{n} hits: {z}");
     }
 }
 
@@ -776,23 +748,14 @@ fn quick_eight_marks_at_one_vertex_add_energies() {
 fn quick_the_oracle_agrees_on_a_few_sets() {
     for seed in 0..6 {
         let mut dice = Dice::new(seed);
-        let set = random_set(&mut dice, Seams::Weld);
+        let set = random_set(&mut dice);
         check_selection(&set, &mut dice, 1 + seed as u32 % 4, 4).unwrap();
         check_classic(&set, &mut dice, 0.25 * seed as f32 % 1.0, seed % 2 == 0).unwrap();
         check_ledger(&set, &mut dice, 4).unwrap();
         let mut instance = random_marks(&set, &mut dice, &InstanceOptions::default(), 3);
-        check_evaluation(&mut instance, f64::from(set.depth_limit())).unwrap();
+        check_evaluation(&mut instance).unwrap();
     }
     let mut dice = Dice::new(6);
     let compared: usize = (0..6).map(|_| check_response(&random_blows(&mut dice), &mut dice, 3, 6).unwrap()).sum();
     assert!(compared >= 10, "{compared} of 36 blows could be compared");
-}
-
-/// Found by a soak run: two dents of 1e-10 m at a vertex whose normal they change by a hundredth.
-#[test]
-fn quick_normals_where_a_dent_is_less_than_its_rounding() {
-    let mut dice = Dice::new(3_417_314_781_503_467_881);
-    let set = random_set(&mut dice, Seams::Keep);
-    let mut instance = random_marks(&set, &mut dice, &InstanceOptions::default(), 3);
-    check_evaluation(&mut instance, f64::from(set.depth_limit())).unwrap();
 }

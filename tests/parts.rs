@@ -219,7 +219,7 @@ fn quick_a_bumper_falls_off_and_is_put_on_again() {
 #[test]
 fn quick_what_is_measured_depends_on_the_marks_alone() {
     let mut plain = new();
-    let options = InstanceOptions { grow_time: 1.0, tolerance: 0.01, ..InstanceOptions::default() };
+    let options = InstanceOptions { grow_time: 1.0, ..InstanceOptions::default() };
     let mut slow = Instance::new(body_set(), options).unwrap();
     for body in [&plain, &slow] {
         body.submit(&dent(5, 0.03)).unwrap();

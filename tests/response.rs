@@ -76,7 +76,9 @@ fn quick_an_examples_own_blow_gives_the_example() {
             assert_eq!(chosen, [(i, true)], "{}", e.name());
             let out = scenes::Output::fresh(&mut instance);
             for (v, base) in set.mesh().positions().iter().enumerate() {
-                assert_eq!(out.positions[v], (*base + e.delta(v as u32)).to_array(), "{}, vertex {v}", e.name());
+                let off = Vec3::from(out.positions[v]).distance(*base + e.delta(v as u32));
+                // The basis of a new set holds examples to a 256th of the deepest, where it can.
+                assert!(off <= 0.02 * e.depth(), "{}, vertex {v}: {off}", e.name());
             }
         }
     }

@@ -60,7 +60,9 @@ impl ExampleSet {
         let thrown = map(tasks, 0..HITS, |i| self.thrown(i));
         let fields: Vec<Vec<Vec3>> = examples.chain(thrown.into_iter().flatten()).collect();
         let fields: Vec<&[Vec3]> = fields.iter().map(Vec::as_slice).collect();
-        let (basis, report) = Basis::learn(self.mesh(), &fields, options, tasks)?;
+        let (mut basis, report) = Basis::learn(self.mesh(), &fields, options, tasks)?;
+        // No example moves these, and what is carried ends there.
+        basis.rows.hold(&self.rim().held);
         let nodes = self.node_mesh(basis.nodes(), tasks)?;
         let mut rows = Vec::with_capacity(self.lod_count());
         for lod in self.lods().skip(1) {

@@ -12,7 +12,7 @@ use crate::example::data::{Contact, Deltas, ExampleData, Placement};
 use crate::example::example::Example;
 use crate::example::learned::Learned;
 use crate::example::mesh_lod::MeshLod;
-use crate::example::options::{Seams, SetOptions, check_options};
+use crate::example::options::{SetOptions, check_options};
 use crate::example::set::{ExampleSet, Parts, deepest};
 use crate::example::stamp::{Source, Stamp};
 use crate::mesh::data::MeshData;
@@ -171,10 +171,7 @@ impl ExampleBuilder<'_> {
         let mut deltas = self.dense(&data.positions, "displacement", &mismatch)?;
         let small = |d: &Vec3| d.length() <= self.options.drop_below;
         deltas = deltas.map("an example's displacements", |d| if small(&d) { Vec3::ZERO } else { d })?;
-        let (welded, widest_weld) = match self.options.seams {
-            Seams::Weld => self.weld(&mut deltas),
-            Seams::Keep => (0, 0.0),
-        };
+        let (welded, widest_weld) = self.weld(&mut deltas);
         deltas.prune();
         let normals = match (&data.normals, self.mesh.normals()) {
             (Some(n), Some(_)) => Some(self.dense(n, "normal change", &mismatch)?),
@@ -222,7 +219,6 @@ impl ExampleBuilder<'_> {
                 positions: self.mesh.positions(),
                 index: self.index,
                 deltas: &given,
-                normals: given_normals.as_deref().zip(self.mesh.normals()),
                 frame: tangent_basis(contact_normal.unwrap_or(Vec3::Z)),
                 contact: contact_point,
                 max_depth: deepest,

@@ -119,7 +119,7 @@ fn left_out(set: &ExampleSet, q: usize) -> Errors {
                 let mut u = Vec3::ZERO;
                 for part in &parts {
                     u += match &part.carried {
-                        Some(at) => at.alone(set, part.example, p) * set.rim().at(*v).factor,
+                        Some(at) => at.alone(set, part.example, p) * set.rim().at(*v),
                         None => examples[part.example].delta(*v),
                     } * part.scale;
                 }

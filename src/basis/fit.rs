@@ -113,7 +113,7 @@ impl Fitting<'_> {
                     row.iter_mut().zip(&far).filter(|(_, far)| **far).for_each(|(w, _)| *w = 0.0);
                     row
                 };
-                out.weights.iter_mut().zip(rounded(&row(weld[v]))).for_each(|(to, w)| to[i] = w);
+                out.weights.iter_mut().zip(rounded(&row(weld[v]), ONE)).for_each(|(to, w)| to[i] = w);
                 for (neighbour, along) in self.entries(v) {
                     for (to, w) in out.slopes.iter_mut().zip(row(*neighbour)) {
                         add_slope(&mut to[i], *along, w);
@@ -144,7 +144,7 @@ impl Fitting<'_> {
         let solved = self.solve(&nodes, &targets);
         let at = |n: &u32| tile.nodes.binary_search(n).unwrap_or(0);
         let places: Vec<usize> = nodes.iter().map(at).collect();
-        for (place, w) in places.iter().zip(rounded(&weights[0])) {
+        for (place, w) in places.iter().zip(rounded(&weights[0], ONE)) {
             tile.weights[*place][i] = w;
         }
         for ((_, along), row) in self.entries(v).iter().zip(&solved) {
@@ -277,13 +277,13 @@ fn substitute(factor: &[f64], n: usize, x: &mut [f64]) {
     }
 }
 
-/// Weights as whole numbers of 1 / [`ONE`] that sum to 1; smaller where their absolute sum would be too large.
-pub(super) fn rounded(weights: &[f64]) -> Vec<i32> {
-    let mut whole = whole(weights.iter().map(|w| w * f64::from(ONE)).collect(), ONE);
+/// Weights as whole numbers of 1 / [`ONE`] with this sum; smaller where their absolute sum would be too large.
+pub(super) fn rounded(weights: &[f64], total: i32) -> Vec<i32> {
+    let mut whole = whole(weights.iter().map(|w| w * f64::from(ONE)).collect(), total);
     while whole.iter().map(|w| w.abs()).sum::<i32>() > MOST_WEIGHT {
         // Rare: nearer to the nearest nodes' mean.
         whole.iter_mut().for_each(|w| *w = *w * 3 / 4);
-        let rest = ONE - whole.iter().sum::<i32>();
+        let rest = total - whole.iter().sum::<i32>();
         let Some(largest) = (0..whole.len()).max_by_key(|i| whole[*i]) else { break };
         whole[largest] = (whole[largest] + rest).clamp(-MOST, MOST);
     }
@@ -331,10 +331,10 @@ mod tests {
 
     #[test]
     fn rounded_weights_sum_to_one() {
-        assert_eq!(rounded(&[0.335, 0.335, 0.33]), [22, 21, 21]);
-        assert_eq!(rounded(&[1.0, 0.0]), [64, 0]);
+        assert_eq!(rounded(&[0.335, 0.335, 0.33], ONE), [22, 21, 21]);
+        assert_eq!(rounded(&[1.0, 0.0], ONE), [64, 0]);
         for weights in [vec![1.9, -0.5, -0.4], vec![0.07; 14], vec![9.0, -8.0]] {
-            let whole = rounded(&weights);
+            let whole = rounded(&weights, ONE);
             assert_eq!(whole.iter().sum::<i32>(), ONE, "{whole:?}");
             assert!(whole.iter().map(|w| w.abs()).sum::<i32>() <= MOST_WEIGHT);
         }

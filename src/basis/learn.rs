@@ -106,7 +106,7 @@ impl Basis {
             }
             let slopes = Some(&slopes).filter(|s| !s.is_empty());
             let fitting = Fitting { slopes, ..fitting };
-            let rows = rows(map(tasks, 0..tiles, |t| fitting.tile(t)));
+            let rows = rows(mesh, map(tasks, 0..tiles, |t| fitting.tile(t)));
             let report = BasisReport {
                 nodes: nodes.len(),
                 nodes_a_vertex: rows.nodes.len() as f32 / tiles.max(1) as f32,
@@ -147,7 +147,7 @@ impl Rows {
             row.sort_by_key(|(node, _)| *node);
             row
         };
-        rows(map(tasks, 0..mesh.positions().len().div_ceil(TILE), |t| {
+        rows(mesh, map(tasks, 0..mesh.positions().len().div_ceil(TILE), |t| {
             let range = t * TILE..((t + 1) * TILE).min(mesh.positions().len());
             let entries = |v: usize| if slopes.is_empty() { &[][..] } else { slopes.entries(v) };
             // The vertices whose rows the tile needs, and these.
@@ -166,7 +166,9 @@ impl Rows {
             for (lane, v) in range.enumerate() {
                 let mut own = vec![0.0; nodes.len()];
                 row(v as u32).iter().for_each(|(node, w)| own[place(*node)] += w);
-                weights.iter_mut().zip(rounded(&own)).for_each(|(to, w)| to[lane] = w);
+                // Less than 1 near held vertices.
+                let total = own.iter().sum::<f64>() * f64::from(ONE);
+                weights.iter_mut().zip(rounded(&own, libm::round(total) as i32)).for_each(|(to, w)| to[lane] = w);
                 for (neighbour, along) in entries(v) {
                     for (node, w) in row(*neighbour) {
                         add_slope(&mut turns[place(*node)][lane], *along, *w);
@@ -177,6 +179,27 @@ impl Rows {
             tile.forget_unused();
             tile
         }))
+    }
+
+    /// Lets these vertices follow nothing.
+    pub(crate) fn hold(&mut self, vertices: &[u32]) {
+        let (mut tiles, mut weights) = (self.tiles.to_vec(), self.weights.to_vec());
+        for v in vertices {
+            let (tile, lane) = (tiles[*v as usize / TILE], *v as usize % TILE);
+            let own = TILE * tile.first as usize..TILE * (tile.first + tile.count) as usize;
+            weights[own].chunks_exact_mut(2 * TILE).for_each(|pair| pair[2 * lane..2 * lane + 2].fill(0));
+        }
+        for tile in &mut tiles {
+            let own = TILE * tile.first as usize..TILE * (tile.first + tile.count) as usize;
+            let mut sums = [0u32; TILE];
+            for pair in weights[own].chunks_exact(2 * TILE) {
+                for (sum, w) in sums.iter_mut().zip(pair.chunks_exact(2)) {
+                    *sum += u32::from(w[0].unsigned_abs()) + u32::from(w[1].unsigned_abs());
+                }
+            }
+            tile.most = sums.into_iter().max().unwrap_or(0);
+        }
+        (self.tiles, self.weights) = (tiles.into(), weights.into());
     }
 
     /// The nodes that a vertex follows, with their weights in units of 1 / [`ONE`].
@@ -220,19 +243,43 @@ fn errors(fitting: &Fitting<'_>, tile: usize, fitted: &FittedTile) -> Vec<f32> {
     errors
 }
 
-/// Packs fitted tiles.
-fn rows(fitted: Vec<FittedTile>) -> Rows {
+/// The unit of slopes of each tile. Tiles with vertices at one position have the same, so that their normals have the same bits.
+fn slope_units(mesh: &Mesh, fitted: &[FittedTile]) -> Vec<f32> {
+    let own = |tile: &FittedTile| tile.slopes.iter().flatten().flatten().fold(0.0, |a: f32, b| a.max(b.abs()));
+    let mut steepest: Vec<f32> = fitted.iter().map(own).collect();
+    // Which tiles belong together: each names an earlier one of its group, or itself.
+    let mut group: Vec<usize> = (0..fitted.len()).collect();
+    fn first(group: &mut [usize], mut of: usize) -> usize {
+        while group[of] != of {
+            group[of] = group[group[of]];
+            of = group[of];
+        }
+        of
+    }
+    for (v, w) in mesh.weld().iter().enumerate() {
+        let [a, b] = [v / TILE, *w as usize / TILE].map(|tile| first(&mut group, tile));
+        group[a.max(b)] = a.min(b);
+    }
+    for tile in 0..fitted.len() {
+        let of = first(&mut group, tile);
+        steepest[of] = steepest[of].max(steepest[tile]);
+    }
+    let unit = |steepest: f32| if steepest > 0.0 && steepest.is_finite() { (steepest / 127.0).max(f32::MIN_POSITIVE) } else { 1.0 };
+    (0..fitted.len()).map(|tile| unit(steepest[first(&mut group, tile)])).collect()
+}
+
+/// Packs fitted tiles of a mesh.
+fn rows(mesh: &Mesh, fitted: Vec<FittedTile>) -> Rows {
+    let units = slope_units(mesh, &fitted);
     let (mut tiles, mut nodes) = (Vec::with_capacity(fitted.len()), Vec::new());
     let (mut weights, mut slopes) = (Vec::new(), Vec::new());
-    for mut tile in fitted {
+    for (mut tile, unit) in fitted.into_iter().zip(units) {
         let with_slopes = !tile.slopes.is_empty();
         if tile.nodes.len() % 2 == 1 {
             tile.nodes.extend(tile.nodes.last().copied());
             tile.weights.push([0; TILE]);
             tile.slopes.extend(with_slopes.then_some([[0.0; 2]; TILE]));
         }
-        let steepest = tile.slopes.iter().flatten().flatten().fold(0.0, |a: f32, b| a.max(b.abs()));
-        let unit = if steepest > 0.0 && steepest.is_finite() { (steepest / 127.0).max(f32::MIN_POSITIVE) } else { 1.0 };
         let most = (0..TILE).map(|v| tile.weights.iter().map(|w| w[v].unsigned_abs()).sum::<u32>()).max();
         tiles.push(Tile {
             first: nodes.len() as u32,

@@ -13,6 +13,10 @@ pub(crate) struct Slopes {
     entries: Vec<(u32, [f32; 2])>,
 }
 
+/// The most triangles around a position that count, so that the time does not grow with the square of the vertices where thousands
+/// lie at one place.
+const MOST: usize = 256;
+
 impl Slopes {
     /// Least-squares gradients over the triangles around each vertex, nearer neighbours counting more. Triangles that face away
     /// from the vertex's normal, beyond a hard edge, do not count. A mesh without normals has none.
@@ -25,7 +29,7 @@ impl Slopes {
         for v in 0..positions.len() {
             let own = weld[v];
             ring.clear();
-            for t in around.of(own) {
+            for t in around.of(own).iter().take(MOST) {
                 let corners = mesh.triangles()[*t as usize];
                 let [a, b, c] = corners.map(|i| positions[i as usize]);
                 if (b - a).cross(c - a).dot(normals[v]) > 0.0 {

@@ -13,7 +13,7 @@ use super::types::{CrumpleExampleSet, CrumpleStriker, CrumpleVec3};
 use crate::base::error::reserve;
 use crate::example::blow::Blow;
 use crate::example::data::{Contact, Deltas, ExampleData, Placement};
-use crate::example::options::{Seams, SetOptions, VertexMass};
+use crate::example::options::{SetOptions, VertexMass};
 use crate::example::set::ExampleSet;
 use crate::mesh::data::MeshData;
 use std::ffi::{CString, c_char, c_void};
@@ -67,7 +67,6 @@ pub struct CrumpleExampleSetOptions {
     pub bake_normal_tolerance: f32,
     /// Mass of each vertex, kg: vertex_count floats, instead of vertex_mass. Default absent.
     pub vertex_masses: CrumpleInput,
-    pub seams: MaybeUninit<Seams>,
     /// Also use mirrored copies of the examples if the body is symmetric about a coordinate plane through the centre of
     /// its bounds. Default true.
     pub mirror: MaybeUninit<bool>,
@@ -426,7 +425,6 @@ pub(super) unsafe fn read_options(options: &CrumpleExampleSetOptions, vertices: 
         depth_limit: positive_or(options.depth_limit, "def.options.depth_limit", "m", "that of the deepest example")?,
         mirror: boolean(options.mirror),
         held_rims: boolean(options.held_rims),
-        seams: enumerator(options.seams, "def.options.seams")?,
         mass,
         drop_below: options.drop_below,
         stamp_resolution: options.stamp_resolution,

@@ -5,7 +5,6 @@ use crate::base::math::Aabb;
 use crate::contacts::options::Impulses;
 use crate::deform::Encoding;
 use crate::example::data::Placement;
-use crate::example::options::Seams;
 use crate::select::hit::{HitStatus, Space};
 use bytemuck::{Pod, Zeroable};
 use std::ffi::c_void;
@@ -17,7 +16,6 @@ c_enums!(
     HitStatus::Rigid,
     Impulses::ZeroIsUnknown,
     Placement::Carried,
-    Seams::Keep,
     Space::World,
 );
 

@@ -27,10 +27,10 @@ impl Changes {
         }
     }
 
-    /// Marks all blocks that an example moves where it was made, at the last epoch.
+    /// Marks all blocks of the base mesh that an example moves where it was made, at the last epoch.
     pub(crate) fn example(&mut self, set: &ExampleSet, example: usize) {
-        for (lod, blocks) in set.lods().zip(&mut self.blocks) {
-            lod.anchored[example].blocks().for_each(|b| blocks[b as usize] = self.epoch);
+        if let Some(blocks) = self.blocks.first_mut() {
+            set.base_lod().anchored[example].blocks().for_each(|b| blocks[b as usize] = self.epoch);
         }
     }
 

@@ -194,7 +194,7 @@ fn moved(set: &ExampleSet, examples: &[PlacedExample], wide: f32, mesh: &MeshLod
                     let window = mesh.rim.block(block);
                     for (i, at) in mesh.mesh.positions()[range.clone()].iter().enumerate() {
                         if at.distance_squared(carried.at.contact) <= carried.reach_square {
-                            let held = window.map_or(1.0, |w| w.factor[i]);
+                            let held = window.map_or(1.0, |w| w[i]);
                             sums[i] += carried.at.displacement(carried.stamp, *at) * (p.scale * held);
                         }
                     }
@@ -304,7 +304,7 @@ pub(crate) fn place(
     let together = depth / sum.length();
     // Limits the scale of examples that cancel each other at the contact and so cannot reach the depth.
     let together = if together.is_finite() { together.min(4.0) } else { 1.0 };
-    let held = set.rim().at(contact).factor;
+    let held = set.rim().at(contact);
     let (mut achieved, mut without_rim) = (Vec3::ZERO, Vec3::ZERO);
     for (p, u) in parts.iter_mut().zip(at_contact) {
         p.scale *= together;

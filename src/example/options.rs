@@ -4,17 +4,6 @@ use crate::base::error::Error;
 use crate::base::error::{at_least_zero, positive};
 use crate::mesh::MAX_COORDINATE;
 
-/// What happens when an example moves apart vertices that share a base position.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Seams {
-    /// The vertices stay together: each gets the mean of their displacements. The default.
-    #[default]
-    Weld = 0,
-    /// The vertices move apart as in the example, for tears that the artist made.
-    Keep = 1,
-}
-
 /// Mass of the vertices, for impulses that do not give one.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum VertexMass {
@@ -32,8 +21,6 @@ pub enum VertexMass {
 pub struct SetOptions {
     /// Largest displacement of any vertex, m. `None` takes the longest displacement of all examples.
     pub depth_limit: Option<f32>,
-    /// How examples that tear seams are treated.
-    pub seams: Seams,
     /// Mass of the vertices.
     pub mass: VertexMass,
     /// Displacements no longer than this are dropped, m. 0 drops only exact zeros.
@@ -58,7 +45,6 @@ impl Default for SetOptions {
     fn default() -> Self {
         Self {
             depth_limit: None,
-            seams: Seams::default(),
             mass: VertexMass::default(),
             drop_below: 0.0,
             stamp_resolution: 32,

@@ -320,6 +320,7 @@ impl ExampleSet {
         for (mesh, rows) in std::iter::once(&mut self.base).chain(&mut self.lods).zip(rows) {
             mesh.rows = rows;
         }
+        self.report.lods.iter_mut().zip(&self.lods).for_each(|(report, lod)| report.bytes = lod.bytes());
     }
 
     /// What predicts hits from all examples, if the set has learned it.

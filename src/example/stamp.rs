@@ -12,7 +12,7 @@
 //! grid over q stores the example's fields and the height of the surface. A vertex takes the bilinear interpolation of
 //! the grid at its own q, times a fade factor. The factor depends on the distance along z between the vertex and the
 //! interpolated height: it is 1 up to half of [`Stamp::fade`] and falls to 0 at [`Stamp::fade`]. Outside the grid the
-//! fields are zero. A node has eight 16-bit numbers, and interpolation weights have 14 bits, so integer sums are exact
+//! fields are zero. A node has four 16-bit numbers, and interpolation weights have 14 bits, so integer sums are exact
 //! and the same on every processor.
 //!
 //! A node takes the inverse-square weighted mean of the four nearest vertices. With a tolerance, the grid is the
@@ -33,8 +33,8 @@ const EXTENT: f32 = 1e-2;
 const FADE: f32 = 0.2;
 /// Nodes along the longest side of the coarsest grid.
 const COARSEST: u32 = 4;
-/// Eight numbers: displacement x, y, z; height; change of the unit normal x, y, z; z of the base normal.
-pub(crate) type Node = [i16; 8];
+/// Four numbers: displacement x, y, z; height.
+pub(crate) type Node = [i16; 4];
 /// Sum of the four weights of a bilinear interpolation.
 pub(crate) const WEIGHTS: f32 = 16384.0;
 /// The largest number in a node.
@@ -59,14 +59,13 @@ pub struct Stamp {
     pub(crate) error: StampError,
 }
 
-/// Step sizes of a node's numbers. The step of the base normal's z is 1/32767.
+/// Step sizes of a node's numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct NodeSteps {
     /// Steps of the displacement, m.
     pub displacement: Vec3,
     /// Step of the height, m.
     pub height: f32,
-    pub normal: Vec3,
 }
 
 /// Error of a stamp at the vertices that its example moves, m.
@@ -129,8 +128,6 @@ pub(crate) struct Source<'a> {
     pub positions: &'a [Vec3],
     pub index: &'a VertexIndex,
     pub deltas: &'a Field,
-    /// Changes of the unit normals, and the base normals.
-    pub normals: Option<(&'a [Vec3], &'a [Vec3])>,
     /// Columns x, y, z of the contact frame.
     pub frame: Mat3,
     pub contact: Vec3,
@@ -164,23 +161,21 @@ impl Stamp {
         let height = |n: &Node| f32::from(n[3]) * steps.height;
         let heights =
             nodes.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(lo, hi), n| (lo.min(height(n)), hi.max(height(n))));
-        let squares = nodes.iter().map(|n| f64::from((of(n, 0) * steps.displacement).length_squared())).sum::<f64>();
+        let squares = nodes.iter().map(|n| f64::from((of(n) * steps.displacement).length_squared())).sum::<f64>();
         let cell = f64::from(grid.cell.x) * f64::from(grid.cell.y);
         let spread = (squares * cell / std::f64::consts::PI).sqrt() as f32;
         let stamp = Stamp { grid, nodes, steps, fade, heights, centre: Vec3::ZERO, spread, error };
         Stamp { centre: stamp.displacement(Vec3::ZERO), ..stamp }
     }
 
-    /// Returns the displacement (m), the change of the unit normal and the z of the base normal at `p` (m). Everything
-    /// is in the contact frame. The change of the normal holds for a surface that faces along this base normal. `None`
-    /// outside the grid.
-    pub fn read(&self, p: Vec3) -> Option<StampSample> {
+    /// Displacement at `p`, m. Both are in the contact frame. Zero outside the grid.
+    pub fn displacement(&self, p: Vec3) -> Vec3 {
         let (grid, steps) = (&self.grid, &self.steps);
         let g = unrolled(p) * (1.0 / grid.cell) - grid.origin / grid.cell;
         let top = (grid.dims - UVec2::ONE).as_vec2();
-        // Also rejects NaN.
+        // Also for NaN.
         if !(g.cmpge(Vec2::ZERO).all() && g.cmple(top).all()) {
-            return None;
+            return Vec3::ZERO;
         }
         let base = g.as_uvec2().min(grid.dims - UVec2::splat(2));
         let t = g - base.as_vec2();
@@ -188,22 +183,13 @@ impl Stamp {
         let weights = [(WEIGHTS as i32 - x - y + both).max(0), x - both, y - both, both];
         let row = grid.dims.x as usize;
         let first = base.x as usize + base.y as usize * row;
-        let mut sums = [0i32; 8];
+        let mut sums = [0i32; 4];
         for (at, w) in [first, first + 1, first + row, first + row + 1].into_iter().zip(weights) {
             sums.iter_mut().zip(self.nodes[at]).for_each(|(s, n)| *s += w * i32::from(n));
         }
-        let [x, y, z, h, nx, ny, nz, facing] = sums.map(|s| s as f32 / WEIGHTS);
+        let [x, y, z, h] = sums.map(|s| s as f32 / WEIGHTS);
         let keep = (2.0 - (p.z - h * steps.height).abs() * (2.0 / self.fade)).clamp(0.0, 1.0);
-        Some(StampSample {
-            displacement: Vec3::new(x, y, z) * steps.displacement * keep,
-            normal: Vec3::new(nx, ny, nz) * steps.normal * keep,
-            facing: facing / MOST,
-        })
-    }
-
-    /// Displacement at `p`, m. Both are in the contact frame. Zero outside the grid.
-    pub fn displacement(&self, p: Vec3) -> Vec3 {
-        self.read(p).map_or(Vec3::ZERO, |r| r.displacement)
+        Vec3::new(x, y, z) * steps.displacement * keep
     }
 
     /// Number of nodes along x and y of the unrolled surface.
@@ -218,22 +204,12 @@ impl Stamp {
 
     /// Displacements at the nodes in the contact frame, m. x varies fastest.
     pub fn nodes(&self) -> Vec<Vec3> {
-        self.nodes.iter().map(|n| of(n, 0) * self.steps.displacement).collect()
+        self.nodes.iter().map(|n| of(n) * self.steps.displacement).collect()
     }
 
     /// Heights of the surface at the nodes: z in the contact frame, m.
     pub fn height_nodes(&self) -> Vec<f32> {
         self.nodes.iter().map(|n| f32::from(n[3]) * self.steps.height).collect()
-    }
-
-    /// Changes of the unit normal at the nodes, in the contact frame. Zero if the mesh has no normals.
-    pub fn normal_nodes(&self) -> Vec<Vec3> {
-        self.nodes.iter().map(|n| of(n, 4) * self.steps.normal).collect()
-    }
-
-    /// The z of the base normals at the nodes in the contact frame, -1 to 1.
-    pub fn facing_nodes(&self) -> Vec<f32> {
-        self.nodes.iter().map(|n| f32::from(n[7]) / MOST).collect()
     }
 
     /// Distance above or below the surface at which the stamp has faded to zero, m. Up to half of it there is no
@@ -262,19 +238,8 @@ impl Stamp {
     }
 }
 
-/// The fields of a [`Stamp`] at a point.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StampSample {
-    /// Displacement in the contact frame, m.
-    pub displacement: Vec3,
-    /// Change of the unit normal in the contact frame.
-    pub normal: Vec3,
-    /// The z of the base normal in the contact frame.
-    pub facing: f32,
-}
-
-fn of(n: &Node, first: usize) -> Vec3 {
-    Vec3::new(n[first].into(), n[first + 1].into(), n[first + 2].into())
+fn of(n: &Node) -> Vec3 {
+    Vec3::new(n[0].into(), n[1].into(), n[2].into())
 }
 
 impl Source<'_> {
@@ -287,7 +252,7 @@ impl Source<'_> {
         let fade = (radius * FADE).max(edge);
         let grid = self.grid(resolution, edge, radius);
         let heights = self.heights(&grid, fade);
-        let samples: Vec<Sample> = (0..grid.count())
+        let samples: Vec<Vec3> = (0..grid.count())
             .map(|i| {
                 let at = grid.at(i);
                 let p = rolled(grid.position(i), heights[i]);
@@ -296,17 +261,15 @@ impl Source<'_> {
                 self.sample(self.contact + self.frame * p, fade, side)
             })
             .collect();
-        let (displacement, displacements) = whole(samples.iter().map(|s| s.displacement));
-        let (normal, normals) = whole(samples.iter().map(|s| s.normal));
+        let (displacement, displacements) = whole(samples.iter().copied());
         let (height, heights) = whole(heights.iter().map(|h| Vec3::new(0.0, 0.0, *h)));
         let nodes: Vec<Node> = (0..grid.count())
             .map(|i| {
-                let ([x, y, z], [nx, ny, nz]) = (displacements[i], normals[i]);
-                let facing = (samples[i].facing.clamp(-1.0, 1.0) * MOST).round_ties_even() as i16;
-                [x, y, z, heights[i][2], nx, ny, nz, facing]
+                let [x, y, z] = displacements[i];
+                [x, y, z, heights[i][2]]
             })
             .collect();
-        let steps = NodeSteps { displacement, height: height.z, normal };
+        let steps = NodeSteps { displacement, height: height.z };
         let stamp = Stamp::new(grid, nodes.into(), steps, fade, StampError::default());
         Stamp { error: self.error(&stamp), ..stamp }
     }
@@ -387,30 +350,20 @@ impl Source<'_> {
         z
     }
 
-    /// The fields at `p` (mesh space), averaged over the four nearest vertices. Displacement and change of the normal
-    /// fade with distance from the surface, and are zero if `still`.
-    fn sample(&self, p: Vec3, fade: f32, still: bool) -> Sample {
-        let (mut sample, mut facing, mut sum) = (Sample::default(), Vec3::ZERO, 0.0f32);
+    /// The displacement at `p` (mesh space) in the contact frame, averaged over the four nearest vertices. It fades with distance from
+    /// the surface, and is zero if `still`.
+    fn sample(&self, p: Vec3, fade: f32, still: bool) -> Vec3 {
+        let (mut displacement, mut sum) = (Vec3::ZERO, 0.0f32);
         let floor = touching(fade);
         let near = self.index.four_if_near(p, fade);
-        let Some((nearest, _)) = near.first() else { return sample };
+        let Some((nearest, _)) = near.first().filter(|_| !still) else { return Vec3::ZERO };
         let keep = (2.0 - 2.0 * nearest.sqrt() / fade).clamp(0.0, 1.0);
         for (d2, v) in near.iter() {
             let w = 1.0 / d2.max(floor);
-            sample.displacement += self.deltas[*v as usize] * w;
-            if let Some((changes, base)) = self.normals {
-                sample.normal += changes[*v as usize] * w;
-                facing += base[*v as usize] * w;
-            }
+            displacement += self.deltas[*v as usize] * w;
             sum += w;
         }
-        let keep = if still { 0.0 } else { keep / sum };
-        let to_frame = self.frame.transpose();
-        Sample {
-            displacement: to_frame * sample.displacement * keep,
-            normal: to_frame * sample.normal * keep,
-            facing: (to_frame * facing).normalize_or_zero().z,
-        }
+        self.frame.transpose() * displacement * (keep / sum)
     }
 
     /// Error of a stamp against the field that it was made from, at the vertices that the field moves.
@@ -424,14 +377,6 @@ impl Source<'_> {
         }
         StampError { max, rms: (sum / f64::from(count.max(1))).sqrt() as f32 }
     }
-}
-
-/// The fields at one node in the contact frame.
-#[derive(Default, Clone, Copy)]
-struct Sample {
-    displacement: Vec3,
-    normal: Vec3,
-    facing: f32,
 }
 
 /// Distances below a ten-thousandth of the fade count as zero. Squared, m². Its inverse is finite for the smallest body too.

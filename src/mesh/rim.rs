@@ -13,7 +13,6 @@ use super::vertex_blocks::{BLOCK, block_range};
 use crate::base::array::Array;
 use crate::base::math::Aabb;
 use crate::base::tasks::{TaskSystem, map};
-use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use rstar::{RTree, primitives::GeomWithData};
 
@@ -27,43 +26,10 @@ const BLOCKS_A_TASK: usize = 64;
 /// Vertices of a block that are looked at only if their box is near a held rim.
 const PART: usize = 16;
 
-/// The window at one vertex.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Window {
-    /// Factor for carried displacements, 0 to 1.
-    pub factor: f32,
-    /// Gradient of the factor, 1/m.
-    pub gradient: Vec3,
-}
+/// The factors for carried displacements of one block's vertices, 0 to 1.
+pub(crate) type WindowBlock = [f32; BLOCK];
 
-impl Window {
-    /// The window away from every held rim.
-    pub(crate) const OPEN: Window = Window { factor: 1.0, gradient: Vec3::ZERO };
-}
-
-/// The windows of one block's vertices, one array per component.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-pub(crate) struct WindowBlock {
-    pub factor: [f32; BLOCK],
-    /// x, y, z; 1/m.
-    pub gradient: [[f32; BLOCK]; 3],
-}
-
-impl WindowBlock {
-    const OPEN: WindowBlock = WindowBlock { factor: [1.0; BLOCK], gradient: [[0.0; BLOCK]; 3] };
-
-    /// Upper bound of the length of a window's gradient, 1/m, for a body with this diagonal (m).
-    pub(crate) fn steepest(diagonal: f32) -> f32 {
-        // 6 s (1 - s) is at most 1.5. Slightly more to allow for rounding.
-        1.51 / (WIDTH * diagonal)
-    }
-
-    fn set(&mut self, i: usize, w: Window) {
-        self.factor[i] = w.factor;
-        self.gradient.iter_mut().zip(w.gradient.to_array()).for_each(|(g, x)| g[i] = x);
-    }
-}
+const OPEN: WindowBlock = [1.0; BLOCK];
 
 /// The windows of the blocks near held rims.
 #[derive(Debug, Default, Clone)]
@@ -105,11 +71,9 @@ impl Rim {
         self.windows.get(*self.blocks.get(b)? as usize)
     }
 
-    /// The window at vertex `v`.
-    pub(crate) fn at(&self, v: u32) -> Window {
-        let i = v as usize % BLOCK;
-        self.block(v as usize / BLOCK)
-            .map_or(Window::OPEN, |b| Window { factor: b.factor[i], gradient: Vec3::from(b.gradient.map(|g| g[i])) })
+    /// The factor at vertex `v`.
+    pub(crate) fn at(&self, v: u32) -> f32 {
+        self.block(v as usize / BLOCK).map_or(1.0, |b| b[v as usize % BLOCK])
     }
 
     /// Number of held vertices.
@@ -143,14 +107,12 @@ fn windows(held: &[Vec3], diagonal: f32, mesh: &Mesh, tasks: &dyn TaskSystem) ->
         _ => tree.nearest_neighbor_iter_with_distance_2(p.to_array()).next().map(|(p, d2)| (Vec3::from(*p), d2)),
     };
     let window = |p: Vec3| {
-        let Some((near, d2)) = nearest(p) else { return Window::OPEN };
-        let away = p - near;
+        let Some((_, d2)) = nearest(p) else { return 1.0 };
         let s = d2.sqrt() / width;
         if s.is_nan() || s >= 1.0 {
-            return Window::OPEN;
+            return 1.0;
         }
-        let slope = if d2 > 0.0 { away / d2.sqrt() * (6.0 * s * (1.0 - s) / width) } else { Vec3::ZERO };
-        Window { factor: s * s * (3.0 - 2.0 * s), gradient: slope }
+        s * s * (3.0 - 2.0 * s)
     };
     let any_near = |b: &Aabb| nearest(middle(b)).is_some_and(|(_, d2)| d2.sqrt() <= reach_of(b, width));
     let positions = mesh.positions();
@@ -160,13 +122,13 @@ fn windows(held: &[Vec3], diagonal: f32, mesh: &Mesh, tasks: &dyn TaskSystem) ->
             if !any_near(&mesh.block_bounds()[b]) {
                 return None;
             }
-            let mut block = WindowBlock::OPEN;
+            let mut block = OPEN;
             for (part, points) in positions[block_range(b, positions.len())].chunks(PART).enumerate() {
                 if any_near(&Aabb::of(points)) {
-                    points.iter().enumerate().for_each(|(i, p)| block.set(part * PART + i, window(*p)));
+                    points.iter().enumerate().for_each(|(i, p)| block[part * PART + i] = window(*p));
                 }
             }
-            block.factor.iter().any(|f| *f < 1.0).then_some(block)
+            block.iter().any(|f| *f < 1.0).then_some(block)
         };
         blocks.map(block).collect::<Vec<_>>()
     });
@@ -358,7 +320,7 @@ mod tests {
             let off = |h: &Vec3| (p.x - h.x) * (p.x - h.x) + (p.y - h.y) * (p.y - h.y) + (p.z - h.z) * (p.z - h.z);
             let s = held.iter().map(off).fold(f32::INFINITY, f32::min).sqrt() / (WIDTH * diagonal);
             let factor = if s < 1.0 { s * s * (3.0 - 2.0 * s) } else { 1.0 };
-            assert_eq!(rim.at(v).factor, factor, "{v}");
+            assert_eq!(rim.at(v), factor, "{v}");
         }
     }
 

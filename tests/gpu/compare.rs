@@ -24,15 +24,13 @@
 //! - An octahedral vector is divided by the sum of its coordinates, which may change each integer by 1. Decoded, that turns a
 //!   tangent by up to 0.0002.
 
-use crumple::{Instance, Mark, Rule};
+use crumple::Instance;
 
 use super::{DRIVERS, POISON};
 use crate::backend::{Attribute, Encoding};
 
 /// Units in the last place that divisions and square roots may cost, of the largest coordinate or of 1 for directions.
 const ULPS: f32 = 64.0;
-/// The same for carried examples, of the marks' summed depths, or of the summed scales for directions: 2^-8.
-const STAMP_ULPS: f32 = 32768.0;
 
 /// The device that a test runs on.
 #[derive(Debug, Clone)]
@@ -73,21 +71,7 @@ impl Bounds {
         let bounds = set.mesh().bounds();
         let largest = bounds.min.abs().max(bounds.max.abs()).max_element() + set.depth_limit();
         let (position, direction) = (ULPS * f32::EPSILON * largest, ULPS * f32::EPSILON);
-        if instance.options().rule != Rule::Marks {
-            return Bounds { position, direction };
-        }
-        let tolerance = instance.tolerance();
-        // The depths of marks with carried examples, summed. Repeated hits make a mark stronger.
-        let carried = |m: &&Mark| m.pairs.iter().any(|p| !p.is_none() && !p.is_anchored());
-        let depth = |m: &Mark| m.depth * (m.energy as f32 / Mark::ONE as f32).max(1.0);
-        let depths: Vec<f32> = instance.marks().unwrap().iter().filter(carried).map(depth).collect();
-        // A change of the normal is scaled as the displacement is: by the mark's depth over the example's.
-        let shallowest = set.examples().iter().map(|e| e.depth()).filter(|d| *d > 0.0).fold(f32::INFINITY, f32::min);
-        let scales: f32 = depths.iter().map(|depth| (depth / shallowest).max(1.0)).sum();
-        let stamps = STAMP_ULPS * f32::EPSILON;
-        // A dropped displacement drops its change of the normal too, so no bound on directions holds then.
-        let direction = if tolerance > 0.0 { 2.0 } else { direction + stamps * scales };
-        Bounds { position: position + stamps * depths.iter().sum::<f32>() + 2.0 * tolerance, direction }
+        Bounds { position, direction }
     }
 
     fn of_attribute(self, attribute: Attribute) -> f32 {

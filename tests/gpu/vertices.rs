@@ -37,10 +37,6 @@ pub fn sets() -> Vec<(String, Arc<ExampleSet>)> {
     let poke = crumple::ExampleData { placement: Placement::Anchored, ..crumple::ExampleData::new("poke", poke) };
     all.push(("points".into(), scenes::build(points, vec![poke], SetOptions::default())));
     all.push(("panel".into(), scenes::solver_set("panel", 6, Placement::Automatic)));
-    for body in [("cube", scenes::cube_set()), ("limits", limited()), ("panel", all[all.len() - 1].1.clone())] {
-        let (name, set) = scenes::following(body);
-        all.push((format!("{name} that follows nodes"), set));
-    }
     all.push(("cube that has learned".into(), scenes::learned(&scenes::cube(6), 12, 6)));
     all
 }
@@ -120,16 +116,12 @@ fn vertices_are_those_of_the_cpu() {
                     1 => hit(instance, 1, 7),
                     2 => hit(instance, 2, 8),
                     3 => hit(instance, 30, 9),
-                    4 => instance.set_tolerance(set.depth_limit() * 0.1).unwrap(),
-                    5 => instance.set_depth_limit(Some(set.depth_limit() * 0.3)).unwrap(),
-                    6 => {
-                        instance.set_tolerance(0.0).unwrap();
-                        instance.set_marks(&any_marks(set, 12, &mut Dice::new(11))).unwrap();
-                    }
-                    7 => instance.repair(0.5).unwrap(),
+                    4 => instance.set_depth_limit(Some(set.depth_limit() * 0.3)).unwrap(),
+                    5 => instance.set_marks(&any_marks(set, 12, &mut Dice::new(11))).unwrap(),
+                    6 => instance.repair(0.5).unwrap(),
                     _ => instance.reset(),
                 }
-                frame < 9
+                frame < 8
             });
         }
     });
@@ -147,7 +139,6 @@ fn dents_grow_as_on_the_cpu() {
                 match frame {
                     1 | 3 => hit(instance, 5, frame),
                     5 => instance.repair(0.4).unwrap(),
-                    7 => instance.set_tolerance(set.depth_limit() * 0.1).unwrap(),
                     _ => {}
                 }
                 frame < 10

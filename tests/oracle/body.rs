@@ -43,17 +43,6 @@ pub fn mirror_planes(positions: &[V]) -> (u8, V, f64) {
     (planes, centre, diagonal)
 }
 
-/// The window towards held rims at one vertex.
-#[derive(Debug, Clone, Copy)]
-pub struct Window {
-    pub factor: f64,
-    /// Slope of the window, 1/m, and whether it has a direction; it has none where two held vertices are equally near.
-    pub gradient: V,
-    pub clear: bool,
-}
-
-pub const OPEN: Window = Window { factor: 1.0, gradient: [0.0; 3], clear: true };
-
 /// Vertices on held rims, with every copy at a seam. A rim is a loop of edges that belong to one triangle only. It is
 /// held if no example moves it by more than a hundredth of the example's deepest displacement, but some example moves a
 /// vertex beside it so. A vertex is beside it if it is in a triangle with it or within 3 % of the diagonal. Sets
@@ -127,23 +116,9 @@ pub fn held_vertices(positions: &[V], triangles: &[[u32; 3]], fields: &[&[V]], c
     held
 }
 
-/// The window: `s²(3 - 2s)`, where `s` is the distance to the nearest held vertex over 3 % of the diagonal.
-pub fn window(p: V, positions: &[V], held: &[usize], diagonal: f64) -> Window {
-    let width = 0.03 * diagonal;
-    let Some(nearest) =
-        held.iter().copied().min_by(|a, b| length(sub(p, positions[*a])).total_cmp(&length(sub(p, positions[*b]))))
-    else {
-        return OPEN;
-    };
-    let away = sub(p, positions[nearest]);
-    let near = length(away);
-    let clear =
-        held.iter().all(|h| positions[*h] == positions[nearest] || length(sub(p, positions[*h])) > near * (1.0 + 1e-5));
-    let s = near / width;
-    if s >= 1.0 {
-        return OPEN;
-    }
-    let slope = 6.0 * s * (1.0 - s) / width;
-    let gradient = if near > 0.0 { scale(slope / near, away) } else { [0.0; 3] };
-    Window { factor: s * s * (3.0 - 2.0 * s), gradient, clear }
+/// The factor for what is carried: `s²(3 - 2s)`, where `s` is the distance to the nearest held vertex over 3 % of the diagonal.
+pub fn window(p: V, positions: &[V], held: &[usize], diagonal: f64) -> f64 {
+    let near = held.iter().map(|h| length(sub(p, positions[*h]))).fold(f64::INFINITY, f64::min);
+    let s = (near / (0.03 * diagonal)).min(1.0);
+    s * s * (3.0 - 2.0 * s)
 }

@@ -60,7 +60,7 @@ fn error(model: &Model, q: usize, parts: &[Part], samples: &[usize]) -> f64 {
     for v in samples {
         let mut u: V = [0.0; 3];
         for (part, w) in parts.iter().zip(&factors) {
-            u = add(u, scale(*w, example_at(model, &mark, part, *v).0));
+            u = add(u, scale(*w, example_at(model, &mark, part, *v)));
         }
         wrong += length(sub(u, e.deltas[*v])).powi(2);
         all += length(e.deltas[*v]).powi(2);

@@ -2,7 +2,7 @@
 
 use super::body::mirrored;
 use super::vector::{
-    Matrix, V, add, apply, dot, from_f32, length, product, rotation_between, scale, sub, transpose, unit,
+    Matrix, V, add, apply, dot, from_f32, length, product, rotation_between, scale, sub, transpose,
 };
 use super::{Example, Model};
 
@@ -73,7 +73,7 @@ fn upon_each_other(model: &Model, marks: &mut [Mark]) {
     let moved = |j: usize, contact: usize| {
         let mut u = [0.0; 3];
         for (part, s) in marks[j].parts.iter().zip(&scales[j]) {
-            u = add(u, scale(*s, open_at(model, &marks[j], part, contact).0));
+            u = add(u, scale(*s, open_at(model, &marks[j], part, contact)));
         }
         length(u)
     };
@@ -126,9 +126,9 @@ pub fn stretch(depth: f64, example: &Example, wide: f64) -> f64 {
 }
 
 /// Whether a part is read from the example's stamp: carried parts are, and anchored ones that are widened if they have
-/// a stamp and seams are welded.
+/// a stamp.
 pub fn stamped(model: &Model, mark: &Mark, part: &Part) -> bool {
-    !part.anchored || (mark.wide > 1.0 && model.welds && model.examples[part.example].grid.is_some())
+    !part.anchored || (mark.wide > 1.0 && model.examples[part.example].grid.is_some())
 }
 
 /// A stamp in f64.
@@ -139,21 +139,9 @@ pub struct Chart {
     pub step: [f64; 2],
     pub displacements: Vec<V>,
     pub heights: Vec<f64>,
-    pub normals: Vec<V>,
-    pub facing: Vec<f64>,
     pub fade: f64,
     /// The rows are the contact frame's x, y, z in mesh space.
     pub frame: Matrix,
-}
-
-/// A stamp's values at a point: displacement and change of normal before they fade, the share of them that is kept, and
-/// the z of the base normal.
-#[derive(Debug, Clone, Copy)]
-pub struct Sample {
-    pub displacement: V,
-    pub normal: V,
-    pub keep: f64,
-    pub facing: f64,
 }
 
 impl Chart {
@@ -165,8 +153,6 @@ impl Chart {
             step: step.map(f64::from),
             displacements: stamp.nodes().iter().map(|u| from_f32(u.to_array())).collect(),
             heights: stamp.height_nodes().into_iter().map(f64::from).collect(),
-            normals: stamp.normal_nodes().iter().map(|n| from_f32(n.to_array())).collect(),
-            facing: stamp.facing_nodes().into_iter().map(f64::from).collect(),
             fade: f64::from(stamp.fade()),
             frame: [frame.x_axis, frame.y_axis, frame.z_axis].map(|axis| from_f32(axis.to_array())),
         }
@@ -180,7 +166,7 @@ impl Chart {
     }
 
     /// Bilinear interpolation; `None` outside.
-    fn look_up(&self, p: V) -> Option<Sample> {
+    fn look_up(&self, p: V) -> Option<V> {
         let at = self.unrolled(p);
         let mut cell = [0usize; 2];
         let mut part = [0.0; 2];
@@ -191,23 +177,21 @@ impl Chart {
             cell[k] = (at[k].floor() as usize).min(self.dims[k] - 2);
             part[k] = at[k] - cell[k] as f64;
         }
-        let (mut height, mut sum) = (0.0, Sample { displacement: [0.0; 3], normal: [0.0; 3], keep: 0.0, facing: 0.0 });
+        let (mut height, mut sum) = (0.0, [0.0; 3]);
         for corner in 0..4 {
             let weight: f64 = (0..2).map(|k| if corner >> k & 1 == 1 { part[k] } else { 1.0 - part[k] }).product();
             let node = cell[0] + (corner & 1) + self.dims[0] * (cell[1] + (corner >> 1));
-            sum.displacement = add(sum.displacement, scale(weight, self.displacements[node]));
-            sum.normal = add(sum.normal, scale(weight, self.normals[node]));
-            sum.facing += weight * self.facing[node];
+            sum = add(sum, scale(weight, self.displacements[node]));
             height += weight * self.heights[node];
         }
         // everything is kept up to half the fade above or below the surface, and nothing beyond the whole fade
-        Some(Sample { keep: (2.0 - 2.0 * (p[2] - height).abs() / self.fade).clamp(0.0, 1.0), ..sum })
+        Some(scale((2.0 - 2.0 * (p[2] - height).abs() / self.fade).clamp(0.0, 1.0), sum))
     }
 }
 
-/// The place of `vertex` in the stamp of an example carried to the mark (contact frame, m, stretch undone), the inverse
-/// transform, and the stretch.
-fn place<'a>(model: &'a Model, mark: &Mark, part: &Part, vertex: usize) -> (&'a Chart, Matrix, f64, V) {
+/// The place of `vertex` in the stamp of an example carried to the mark (contact frame, m, stretch undone), and the inverse
+/// transform.
+fn place<'a>(model: &'a Model, mark: &Mark, part: &Part, vertex: usize) -> (&'a Chart, Matrix, V) {
     let example = &model.examples[part.example];
     let grid = example.grid.as_ref().expect("a carried example has a stamp");
     if part.anchored {
@@ -215,7 +199,7 @@ fn place<'a>(model: &'a Model, mark: &Mark, part: &Part, vertex: usize) -> (&'a 
         let back = transpose(grid.frame);
         let p = apply(grid.frame, sub(model.positions[vertex], example.contact_point));
         let s = mark.wide.clamp(STRETCH.0, STRETCH.1);
-        return (grid, back, s, [p[0] / s, p[1] / s, p[2]]);
+        return (grid, back, [p[0] / s, p[1] / s, p[2]]);
     }
     let normal = mirrored(example.contact_normal, part.mirror);
     let rotation = rotation_between(normal, model.contact_normals[mark.contact]);
@@ -224,55 +208,38 @@ fn place<'a>(model: &'a Model, mark: &Mark, part: &Part, vertex: usize) -> (&'a 
     let back = product(rotation, product(mirror, transpose(grid.frame)));
     let p = apply(transpose(back), sub(model.positions[vertex], model.positions[mark.contact]));
     let s = stretch(mark.depth, example, mark.wide);
-    (grid, back, s, [p[0] / s, p[1] / s, p[2]])
+    (grid, back, [p[0] / s, p[1] / s, p[2]])
 }
 
 /// Whether `vertex` is so near the border of a stamp that rounding decides whether it is inside.
 pub fn on_a_border(model: &Model, mark: &Mark, vertex: usize) -> bool {
     mark.parts.iter().filter(|p| stamped(model, mark, p)).any(|part| {
-        let (grid, _, _, p) = place(model, mark, part, vertex);
+        let (grid, _, p) = place(model, mark, part, vertex);
         let at = grid.unrolled(p);
         (0..2).any(|k| at[k].abs() < 1e-3 || (at[k] - (grid.dims[k] - 1) as f64).abs() < 1e-3)
     })
 }
 
-/// Displacement and change of normal of `vertex` by one example of a mark of strength 1, without held rims.
-pub fn open_at(model: &Model, mark: &Mark, part: &Part, vertex: usize) -> (V, V) {
-    let example = &model.examples[part.example];
+/// Displacement of `vertex` by one example of a mark of strength 1, without held rims.
+pub fn open_at(model: &Model, mark: &Mark, part: &Part, vertex: usize) -> V {
     if !stamped(model, mark, part) {
-        return (example.deltas[vertex], example.normal_deltas[vertex]);
+        return model.examples[part.example].deltas[vertex];
     }
-    let (grid, back, s, p) = place(model, mark, part, vertex);
-    let Some(sample) = grid.look_up(p) else { return ([0.0; 3], [0.0; 3]) };
-    // a vertex that faces another way than the surface the example was made on takes none of its change of normal
-    let normals = if model.normals.is_empty() {
-        [0.0; 3]
-    } else {
-        let facing = dot(apply(back, [0.0, 0.0, 1.0]), model.normals[vertex]);
-        let alike = (2.0 - 2.0 * (facing - sample.facing).abs()).clamp(0.0, 1.0);
-        // slopes decrease as a dent gets wider
-        scale(sample.keep * alike / s, sample.normal)
-    };
-    (apply(back, scale(sample.keep, sample.displacement)), apply(back, normals))
+    let (grid, back, p) = place(model, mark, part, vertex);
+    grid.look_up(p).map_or([0.0; 3], |u| apply(back, u))
 }
 
-/// The same with held rims: what is carried falls to zero towards them, and that tilts the surface.
-pub fn example_at(model: &Model, mark: &Mark, part: &Part, vertex: usize) -> (V, V) {
-    let (u, change) = open_at(model, mark, part, vertex);
-    let window = &model.windows[vertex];
-    if !stamped(model, mark, part) || window.factor == 1.0 {
-        return (u, change);
-    }
-    let n = model.normals[vertex];
-    let slope = sub(window.gradient, scale(dot(window.gradient, n), n));
-    (scale(window.factor, u), sub(scale(window.factor, change), scale(dot(u, n), slope)))
+/// The same with held rims: what is carried falls to zero towards them.
+pub fn example_at(model: &Model, mark: &Mark, part: &Part, vertex: usize) -> V {
+    let factor = if stamped(model, mark, part) { model.windows[vertex] } else { 1.0 };
+    scale(factor, open_at(model, mark, part, vertex))
 }
 
 /// The factor of each part of a mark. Each part is scaled by its share of the target depth over its own depth. Then all
 /// are scaled together so that the contact gets the target depth if no rim is held. Factors of anchored parts stay
 /// between -1 and 1.
 pub fn scales(model: &Model, mark: &Mark) -> Vec<f64> {
-    let at_contact: Vec<V> = mark.parts.iter().map(|p| open_at(model, mark, p, mark.contact).0).collect();
+    let at_contact: Vec<V> = mark.parts.iter().map(|p| open_at(model, mark, p, mark.contact)).collect();
     let mut scales = Vec::new();
     let mut sum = [0.0; 3];
     for (part, u) in mark.parts.iter().zip(&at_contact) {
@@ -295,7 +262,7 @@ pub fn scales(model: &Model, mark: &Mark) -> Vec<f64> {
 pub fn open(model: &Model, mark: &Mark) -> V {
     let mut sum = [0.0; 3];
     for (part, w) in mark.parts.iter().zip(scales(model, mark)) {
-        sum = add(sum, scale(w, open_at(model, mark, part, mark.contact).0));
+        sum = add(sum, scale(w, open_at(model, mark, part, mark.contact)));
     }
     sum
 }
@@ -304,7 +271,7 @@ pub fn open(model: &Model, mark: &Mark) -> V {
 pub fn met(model: &Model, mark: &Mark) -> V {
     let mut sum = [0.0; 3];
     for (part, w) in mark.parts.iter().zip(scales(model, mark)) {
-        sum = add(sum, scale(w, example_at(model, mark, part, mark.contact).0));
+        sum = add(sum, scale(w, example_at(model, mark, part, mark.contact)));
     }
     sum
 }
@@ -318,74 +285,52 @@ pub fn scaled<'a>(model: &Model, marks: &'a [Mark]) -> Vec<Scaled<'a>> {
     marks.iter().map(|m| Scaled(m, alone(m))).collect()
 }
 
-/// Displacement and change of normal of `vertex` by one mark.
-pub fn mark_at(model: &Model, Scaled(mark, scales): &Scaled<'_>, vertex: usize) -> (V, V) {
-    let mut sum = ([0.0; 3], [0.0; 3]);
+/// Displacement of `vertex` by one mark.
+pub fn mark_at(model: &Model, Scaled(mark, scales): &Scaled<'_>, vertex: usize) -> V {
+    let mut sum = [0.0; 3];
     for (part, s) in mark.parts.iter().zip(scales) {
-        let (u, n) = example_at(model, mark, part, vertex);
-        let w = mark.strength * s;
-        sum = (add(sum.0, scale(w, u)), add(sum.1, scale(w, n)));
+        sum = add(sum, scale(mark.strength * s, example_at(model, mark, part, vertex)));
     }
     sum
 }
 
-/// The largest displacement and change of normal that a mark makes anywhere near; its rounding errors are relative to
-/// these. (At one vertex neighbouring nodes of a stamp may cancel, but their errors do not.)
-pub fn size(model: &Model, Scaled(mark, scales): &Scaled<'_>) -> (f64, f64) {
+/// The largest displacement that a mark makes anywhere near; its rounding errors are relative to it. (At one vertex neighbouring
+/// nodes of a stamp may cancel, but their errors do not.)
+pub fn size(model: &Model, Scaled(mark, scales): &Scaled<'_>) -> f64 {
     let longest = |list: &[V]| list.iter().map(|u| length(*u)).fold(0.0, f64::max);
-    let mut sum = (0.0, 0.0);
-    for (part, s) in mark.parts.iter().zip(scales) {
-        let example = &model.examples[part.example];
-        let w = mark.strength * s.abs();
-        sum.0 += w * longest(&example.deltas);
-        let stretch = if part.anchored { 1.0 } else { stretch(mark.depth, example, mark.wide) };
-        sum.1 += w / stretch * longest(&example.normal_deltas);
-        if stamped(model, mark, part) && !model.held.is_empty() {
-            // the greatest slope of the window
-            sum.1 += w * longest(&example.deltas) * 1.5 / (0.03 * model.diagonal);
-        }
-    }
-    sum
+    let of_part = |(part, s): (&Part, &f64)| mark.strength * s.abs() * longest(&model.examples[part.example].deltas);
+    mark.parts.iter().zip(scales).map(of_part).sum()
 }
 
 /// Resolution of the weights of a stamp's bilinear mean, with a margin: integers of 14 bits, rounded down.
 pub const WEIGHTS: f64 = 2.0 / 16384.0;
 
-/// How far the library's f32 may be from a point of the oracle. `size` is the size of the displacements summed.
-pub fn rounding(ought: V, size: f64) -> f64 {
-    WEIGHTS * size + 4e-7 * length(ought)
+/// How far the library's f32 may be from a point of the oracle, where a node is at each vertex. `size` is the size of the
+/// displacements summed. Nodes move in at least 16 000 steps up to the limit.
+pub fn rounding(ought: V, size: f64, limit: f64) -> f64 {
+    WEIGHTS * size + 4e-7 * length(ought) + 0.87 * limit / 16000.0
 }
 
-/// How far a vertex may move: the least of its depth limits, m, and 1 - stiffness.
+/// How far a vertex may move: its own depth limit, m, and 1 - stiffness.
 #[derive(Debug, Clone, Copy)]
 pub struct Limit {
     pub depth: f64,
     pub give: f64,
 }
 
-/// Displacement of `vertex` by all marks, and the factor that shortened their plain sum.
-pub fn displacement(model: &Model, marks: &[Scaled<'_>], vertex: usize, limit: Limit) -> (V, f64) {
-    let sum = marks.iter().fold([0.0; 3], |sum, mark| add(sum, mark_at(model, mark, vertex).0));
+/// Where a displacement of this length ends up on its way to the limit: three quarters of the limit are free.
+fn soft(length: f64, limit: f64) -> f64 {
+    let (free, rest) = (0.75 * limit, 0.25 * limit);
+    if length <= free { length } else { free + rest * (length - free) / (rest + length - free) }
+}
+
+/// Displacement of `vertex` by all marks, on a body with this depth limit, m.
+pub fn displacement(model: &Model, marks: &[Scaled<'_>], vertex: usize, limit: f64, own: Limit) -> V {
+    let sum = marks.iter().fold([0.0; 3], |sum, mark| add(sum, mark_at(model, mark, vertex)));
     let s = length(sum);
     if s == 0.0 {
-        return ([0.0; 3], if limit.depth > 0.0 { limit.give } else { 0.0 });
+        return [0.0; 3];
     }
-    let factor = limit.give.min(limit.depth / s);
-    (scale(factor, sum), factor)
-}
-
-/// Unit normal of `vertex` after all marks: the base normal plus the marks' changes, shortened by the same factor as
-/// the displacement.
-pub fn normal(model: &Model, marks: &[Scaled<'_>], vertex: usize, limit: Limit) -> V {
-    unit(normal_sum(model, marks, vertex, limit))
-}
-
-/// The same before normalisation.
-pub fn normal_sum(model: &Model, marks: &[Scaled<'_>], vertex: usize, limit: Limit) -> V {
-    let (_, factor) = displacement(model, marks, vertex, limit);
-    let mut change = [0.0; 3];
-    for mark in marks {
-        change = add(change, mark_at(model, mark, vertex).1);
-    }
-    add(model.normals[vertex], scale(factor, change))
+    let kept = soft(s, limit.min(16.0 * model.depth_limit));
+    scale((own.give * kept).min(own.depth) / s, sum)
 }

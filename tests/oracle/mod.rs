@@ -13,8 +13,7 @@ pub mod response;
 pub mod select;
 pub mod vector;
 
-use body::Window;
-use crumple::{ExampleSet, Placement, Seams};
+use crumple::{ExampleSet, Placement};
 use marks::Chart;
 use vector::{V, from_f32, length, sub};
 
@@ -30,8 +29,6 @@ pub struct Example {
     pub support_radius: f64,
     /// One displacement per vertex, m.
     pub deltas: Vec<V>,
-    /// One change of the unit normal per vertex.
-    pub normal_deltas: Vec<V>,
     pub grid: Option<Chart>,
 }
 
@@ -53,11 +50,9 @@ pub struct Model {
     /// The point where the mirror planes meet, and the planes that exist: bit 0 for x, 1 for y, 2 for z.
     pub centre: V,
     pub planes: u8,
-    /// Vertices on held rims (every copy at a seam), and the window of each vertex.
+    /// Vertices on held rims (every copy at a seam), and the factor of each vertex towards them.
     pub held: Vec<usize>,
-    pub windows: Vec<Window>,
-    /// Whether vertices at one position stay together.
-    pub welds: bool,
+    pub windows: Vec<f64>,
     pub depth_limit: f64,
     /// Learned width of the place axes, as a share of the diagonal.
     pub place_width: f64,
@@ -84,7 +79,6 @@ impl Model {
                 placement: e.placement(),
                 stays: set.learned().anchored[i],
                 support_radius: f64::from(e.support_radius()),
-                normal_deltas: (0..count as u32).map(|v| from_f32(e.normal_delta(v).to_array())).collect(),
                 grid: e.stamp().map(|s| Chart::of(s, e.frame())),
                 deltas: (0..count as u32).map(|v| from_f32(e.delta(v).to_array())).collect(),
             })
@@ -112,7 +106,6 @@ impl Model {
             planes: if set.options().mirror { planes } else { 0 },
             held,
             windows,
-            welds: set.options().seams == Seams::Weld,
             depth_limit: f64::from(set.depth_limit()),
             place_width: f64::from(set.learned().place_width),
             examples,

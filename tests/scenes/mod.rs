@@ -341,12 +341,11 @@ pub fn bodies() -> Vec<Body> {
     all
 }
 
-/// The same body with vertices that follow nodes.
-pub fn following((name, set): Body) -> Body {
+/// The same set with a node at every position, so that its vertices are where its marks say, up to rounding.
+pub fn every_node(set: &ExampleSet) -> Arc<ExampleSet> {
     let mut set = ExampleSet::load_copy(&set.save().unwrap(), &Serial).unwrap();
-    let tolerance = 0.02 * set.depth_limit();
-    set.learn_basis(&BasisOptions { tolerance, rounds: 3, nodes: 0 }, &Serial).unwrap();
-    (name, Arc::new(set))
+    set.learn_basis(&BasisOptions { tolerance: 1e9, rounds: 0, nodes: usize::MAX }, &Serial).unwrap();
+    Arc::new(set)
 }
 
 /// A bowl at a vertex, as deep as a law of its blow's energy (J) and of its place along x says.
@@ -369,8 +368,7 @@ pub fn learned(mesh: &MeshData, count: usize, seed: u64) -> Arc<ExampleSet> {
     let first = dice.index(mesh.positions.len());
     let places = spread(&mesh.positions, count, first);
     let examples = places.into_iter().map(|v| struck(mesh, v, dice.between(20.0, 400.0))).collect();
-    let (_, set) = following(("", build(mesh.clone(), examples, SetOptions::default())));
-    let mut set = ExampleSet::load_copy(&set.save().unwrap(), &Serial).unwrap();
+    let mut set = ExampleSet::build(mesh.clone(), examples, SetOptions::default(), &Serial).unwrap();
     let report = set.learn_rule(&Serial).unwrap();
     assert!(report.blows && report.displacements, "the rule is not used: {report:?}");
     Arc::new(set)

@@ -6,7 +6,7 @@ use crate::basis::{MOST_WEIGHT, Rows, TILE};
 use crate::example::blocks::{DeltaBlocks, GROUP, Head, Numbers, Stored, Width, words};
 use crate::mesh::MAX_COORDINATE;
 pub(super) use crate::mesh::nearest::indices_below;
-use crate::mesh::rim::{Rim, WindowBlock};
+use crate::mesh::rim::Rim;
 use crate::mesh::vertex_blocks::{BLOCK, block_range};
 use glam::Vec3;
 
@@ -111,7 +111,7 @@ pub(super) fn weld(weld: &[u32], positions: &[Vec3]) -> Result<(), Error> {
 }
 
 /// Checks the windows of a mesh with this number of vertices, on a body with this diagonal (m).
-pub(super) fn rim(rim: &Rim, vertices: usize, diagonal: f32) -> Result<(), Error> {
+pub(super) fn rim(rim: &Rim, vertices: usize) -> Result<(), Error> {
     let blocks = vertices.div_ceil(BLOCK);
     if rim.blocks.len() != blocks && !(rim.blocks.is_empty() && rim.windows.is_empty()) {
         return Err(wrong("the number of rim blocks", rim.blocks.len(), format!("{blocks}, or none")));
@@ -121,14 +121,12 @@ pub(super) fn rim(rim: &Rim, vertices: usize, diagonal: f32) -> Result<(), Error
         let most = rim.windows.len();
         return Err(wrong(format!("the window of block {at}"), rim.blocks[at], format!("below {most}, or 2^32 - 1")));
     }
-    let steepest = WindowBlock::steepest(diagonal).min(f32::MAX);
     for w in rim.windows.iter() {
         let one = 1f32.to_bits();
-        if w.factor.iter().fold(0, |m, x| x.to_bits().max(m)) > one {
-            let bad = w.factor.iter().copied().find(|x| x.to_bits() > one).unwrap_or_default();
+        if w.iter().fold(0, |m, x| x.to_bits().max(m)) > one {
+            let bad = w.iter().copied().find(|x| x.to_bits() > one).unwrap_or_default();
             return Err(wrong("a factor of section rim windows", bad, "0 to 1"));
         }
-        numbers("section rim windows", w.gradient.as_flattened(), steepest)?;
     }
     indices("section rim held", &rim.held, vertices)?;
     if !rim.held.is_sorted_by(|a, b| a < b) {

@@ -9,9 +9,7 @@ use twox_hash::XxHash3_64;
 /// The first bytes of every file. The last of them reveals a text conversion.
 pub(super) const MAGIC: [u8; 8] = *b"crumple\n";
 /// Files of other versions are refused.
-pub(super) const VERSION: u32 = 3;
-/// What 0.1 wrote for the options `combine` and `strict` where they had their defaults. There are no others any more.
-pub(super) const FIXED: [u8; 2] = [1, 0];
+pub(super) const VERSION: u32 = 4;
 
 /// Sections begin at multiples of this; the largest alignment that any element needs is 16.
 pub(super) const ALIGN: usize = 64;
@@ -192,18 +190,13 @@ pub(super) struct SetRecord {
     pub(super) place_width: f32,
     /// m.
     pub(super) widest_weld: f32,
-    /// [`FIXED`].
-    pub(super) fixed: [u8; 2],
-    /// 0 weld, 1 keep.
-    pub(super) seams: u8,
     /// 0 none, 1 uniform, 2 per vertex.
     pub(super) mass_kind: u8,
     pub(super) mirror: u8,
     pub(super) held_rims: u8,
     /// Mirror planes found: bits 0, 1, 2 for x, y, z.
     pub(super) planes: u8,
-    /// Whether the vertices of the base mesh follow nodes, which are then one more mesh.
-    pub(super) nodes: u8,
+    pub(super) zero: [u8; 4],
 }
 
 /// One element of section `examples`.
@@ -264,10 +257,9 @@ pub(super) struct StampRecord {
     pub(super) origin: [f32; 2],
     /// m.
     pub(super) cell: [f32; 2],
-    /// The steps that displacements (m), heights (m) and changes of normals are multiples of.
+    /// The steps that displacements and heights are multiples of, m.
     pub(super) displacement: [f32; 3],
     pub(super) height: f32,
-    pub(super) normal: [f32; 3],
     /// m.
     pub(super) fade: f32,
     /// m.
@@ -298,9 +290,9 @@ pub(super) struct AnchoredRecord {
 // docs/format.md states these sizes.
 const _: () = assert!(size_of::<Header>() == 64 && size_of::<Entry>() == 32);
 const _: () = assert!(size_of::<SetRecord>() == 64 && size_of::<ExampleRecord>() == 100);
-const _: () = assert!(size_of::<StampRecord>() == 64 && size_of::<MeshRecord>() == 16);
+const _: () = assert!(size_of::<StampRecord>() == 52 && size_of::<MeshRecord>() == 16);
 const _: () =
-    assert!(size_of::<crate::example::blocks::Head>() == 20 && size_of::<crate::mesh::rim::WindowBlock>() == 2048);
+    assert!(size_of::<crate::example::blocks::Head>() == 20 && size_of::<crate::mesh::rim::WindowBlock>() == 512);
 
 /// The checksum of a file: XXH3 of its chunks' XXH3 hashes.
 pub(super) fn checksum(hashes: &[u64]) -> u64 {

@@ -1,7 +1,7 @@
 //! Makes a set from a file.
 
 use super::check;
-use super::layout::{AnchoredRecord, ExampleRecord, FIXED, Id, MeshRecord, SetRecord, StampRecord, wrong};
+use super::layout::{AnchoredRecord, ExampleRecord, Id, MeshRecord, SetRecord, StampRecord, wrong};
 use super::read::{File, length_of};
 use super::scan::open;
 use crate::base::array::{Array, FileBytes};
@@ -15,7 +15,7 @@ use crate::example::data::Placement;
 use crate::example::example::Example;
 use crate::example::learned::Learned;
 use crate::example::mesh_lod::MeshLod;
-use crate::example::options::{Seams, SetOptions, VertexMass, check_options};
+use crate::example::options::{SetOptions, VertexMass, check_options};
 use crate::example::report::LodReport;
 use crate::example::rule::LearnedRule;
 use crate::example::set::{ExampleSet, MAX_MESHES, Parts, check_order, deepest};
@@ -36,9 +36,6 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
     let record = *one::<SetRecord>(&file.array(Id::Set, 0)?, Id::Set)?;
     if !(1..=MAX_MESHES as u32).contains(&record.meshes) {
         return Err(wrong("the number of meshes", record.meshes, format!("1 to {MAX_MESHES}")));
-    }
-    if record.nodes != 1 {
-        return Err(wrong("byte 63 of section set, whether vertices follow nodes,", record.nodes, "1; bake the set again"));
     }
     // The nodes are the last mesh.
     let all_meshes = record.meshes + 1;
@@ -160,8 +157,8 @@ fn flag(name: &str, x: u8) -> Result<bool, Error> {
 
 fn options(r: &SetRecord, file: &File<'_>, vertices: usize) -> Result<SetOptions, Error> {
     let masses: Array<f32> = file.array(Id::Masses, 0)?;
-    if r.fixed != FIXED {
-        return Err(wrong("bytes 56 and 57 of section set", format!("{:?}", r.fixed), format!("{FIXED:?}")));
+    if r.zero != [0; 4] {
+        return Err(wrong("bytes 60 to 63 of section set", format!("{:?}", r.zero), "0"));
     }
     if (r.mass_kind == 2) == masses.is_empty() {
         return Err(length_of(Id::Masses, masses.len(), if r.mass_kind == 2 { vertices } else { 0 }));
@@ -169,7 +166,6 @@ fn options(r: &SetRecord, file: &File<'_>, vertices: usize) -> Result<SetOptions
     let given = |x: f32| (x.to_bits() != 0).then_some(x);
     let options = SetOptions {
         depth_limit: given(r.depth_limit),
-        seams: if flag("the way of seams", r.seams)? { Seams::Keep } else { Seams::Weld },
         mass: match r.mass_kind {
             0 => VertexMass::None,
             1 => VertexMass::Uniform(r.mass),
@@ -284,7 +280,7 @@ fn stamps(file: &File<'_>, examples: &[ExampleRecord]) -> Result<Vec<Stamp>, Err
             return Err(wrong("a stamp's cell", grid.cell, "above 0 m"));
         }
         check::between("a stamp's fade", r.fade, f32::MIN_POSITIVE, f32::MAX)?;
-        for step in r.displacement.iter().chain(&[r.height]).chain(&r.normal) {
+        for step in r.displacement.iter().chain(&[r.height]) {
             check::between("a stamp's step", *step, 0.0, check::MAX_DISPLACEMENT)?;
         }
         check::between("the error of a stamp", r.error_max, 0.0, f32::MAX)?;
@@ -295,7 +291,7 @@ fn stamps(file: &File<'_>, examples: &[ExampleRecord]) -> Result<Vec<Stamp>, Err
         }
         let nodes = file.part(at..end, Id::Nodes)?;
         at = end;
-        let steps = NodeSteps { displacement: steps, height: r.height, normal: Vec3::from_array(r.normal) };
+        let steps = NodeSteps { displacement: steps, height: r.height };
         out.push(Stamp::new(grid, nodes, steps, r.fade, StampError { max: r.error_max, rms: r.error_rms }));
     }
     if at != section.end {
@@ -309,7 +305,6 @@ fn stamps(file: &File<'_>, examples: &[ExampleRecord]) -> Result<Vec<Stamp>, Err
 fn check_all(meshes: &[MeshLod], sound: bool, tasks: &dyn TaskSystem) -> Result<(), Error> {
     type Check<'a> = Box<dyn FnOnce() -> Result<(), Error> + Send + 'a>;
     let mut checks: Vec<Check<'_>> = Vec::new();
-    let diagonal = meshes[0].mesh.bounds().diagonal();
     for lod in meshes {
         let a = lod.mesh.arrays();
         let n = lod.vertex_count();
@@ -343,7 +338,7 @@ fn check_all(meshes: &[MeshLod], sound: bool, tasks: &dyn TaskSystem) -> Result<
         if !sound {
             checks.push(Box::new(move || check::indices("section triangles", a.triangles.as_flattened(), n)));
         }
-        checks.push(Box::new(move || check::rim(&lod.rim, n, diagonal)));
+        checks.push(Box::new(move || check::rim(&lod.rim, n)));
         for (i, anchored) in lod.anchored.iter().enumerate() {
             checks.push(Box::new(move || check::anchored(anchored, n, &format!("example {i}"))));
         }

@@ -1,14 +1,14 @@
 //! Writes a set to a file.
 
 use super::layout::{
-    ALIGN, AnchoredRecord, BlowRecord, CHUNK, Entry, ExampleRecord, FIXED, Header, Id, MAGIC, MeshRecord, SetRecord,
+    ALIGN, AnchoredRecord, BlowRecord, CHUNK, Entry, ExampleRecord, Header, Id, MAGIC, MeshRecord, SetRecord,
     StampRecord, UNHASHED, VERSION, checksum,
 };
 use crate::example::blow::Blow;
 use crate::example::data::Placement;
 use crate::example::example::Example;
 use crate::example::mesh_lod::MeshLod;
-use crate::example::options::{Seams, VertexMass};
+use crate::example::options::VertexMass;
 use crate::example::set::ExampleSet;
 use crate::example::stamp::{Node, Stamp};
 use bytemuck::{Pod, bytes_of, cast_slice};
@@ -147,13 +147,11 @@ impl<'a> File<'a> {
             stamp_resolution: o.stamp_resolution,
             place_width: learned.place_width,
             widest_weld: r.widest_weld,
-            fixed: FIXED,
-            seams: u8::from(o.seams == Seams::Keep),
             mass_kind,
             mirror: o.mirror.into(),
             held_rims: o.held_rims.into(),
             planes: r.mirror_planes.bits(),
-            nodes: 1,
+            zero: [0; 4],
         };
         self.records(Id::Set, 0, &[record]);
         let examples: Vec<ExampleRecord> = set
@@ -251,7 +249,6 @@ fn record_of(s: &Stamp) -> StampRecord {
         cell: s.grid.cell.to_array(),
         displacement: s.steps.displacement.to_array(),
         height: s.steps.height,
-        normal: s.steps.normal.to_array(),
         fade: s.fade,
         error_max: s.error.max,
         error_rms: s.error.rms,
