@@ -10,10 +10,8 @@ use std::path::Path;
 use std::{env, fs};
 
 /// Each source, and its overrides: what some variants of the kernel cannot do.
-const SOURCES: [(&str, &[&str]); 2] = [
-    ("nodes", &["NORMALS", "TANGENTS", "PACKED"]),
-    ("classic", &["NORMALS", "TANGENTS", "PACKED"]),
-];
+const SOURCES: [(&str, &[&str]); 2] =
+    [("nodes", &["NORMALS", "TANGENTS", "PACKED"]), ("classic", &["NORMALS", "TANGENTS", "PACKED"])];
 
 const IMMEDIATE: &str = "var<immediate> call: Call;";
 const UNIFORM: &str = "@group(0) @binding(2) var<uniform> call: Call;";

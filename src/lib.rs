@@ -52,12 +52,12 @@ pub mod vulkan;
 #[cfg(feature = "wgpu")]
 pub mod wgpu;
 
+pub use bake::basis::RuleReport;
 pub use bake::reorder::reorder;
 pub use base::error::{Error, ErrorKind};
 pub use base::math::Aabb;
 pub use base::tasks::{Serial, TaskSystem, ThreadPool};
 pub use basis::Basis;
-pub use bake::basis::RuleReport;
 pub use basis::learn::{BasisOptions, BasisReport};
 #[cfg(all(fuzzing, feature = "capi"))]
 #[doc(hidden)]

@@ -10,8 +10,8 @@ use std::sync::Arc;
 
 use baked::{load_and_use, repair};
 use crumple::{
-    Blow, DeformJob, Deltas, Error, ErrorKind, ExampleData, ExampleSet, Hit, MeshData, Placement, Serial,
-    SetOptions, Striker, ThreadPool, Tracker, VertexMass, VertexMemory,
+    Blow, DeformJob, Deltas, Error, ErrorKind, ExampleData, ExampleSet, Hit, MeshData, Placement, Serial, SetOptions,
+    Striker, ThreadPool, Tracker, VertexMass, VertexMemory,
 };
 use proptest::prelude::*;
 use scenes::{Dice, Output, cases, random_hits};

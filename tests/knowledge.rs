@@ -7,8 +7,7 @@ use std::sync::Arc;
 
 use crumple::glam::Vec3;
 use crumple::{
-    Contact, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData, Mirror, Placement,
-    SetOptions,
+    Contact, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData, Mirror, Placement, SetOptions,
 };
 use scenes::{Dice, Output, build, displacements, new, push, random_hit, relative_l2};
 

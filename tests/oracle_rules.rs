@@ -233,7 +233,11 @@ fn check_limited(instance: &mut Instance, limits: &[Limit]) -> Result<(), TestCa
         let ought = add(model.positions[v], marks::displacement(&model, &scaled, v, limit, *own));
         let off = length(sub(from_f32(out.positions[v]), ought));
         let allowed = marks::rounding(ought, size, limit.min(16.0 * model.depth_limit));
-        prop_assert!(off <= allowed, "vertex {v}: {:?} is {off:e} from {ought:?}; {allowed:e} is allowed", out.positions[v]);
+        prop_assert!(
+            off <= allowed,
+            "vertex {v}: {:?} is {off:e} from {ought:?}; {allowed:e} is allowed",
+            out.positions[v]
+        );
     }
     Ok(())
 }

@@ -81,7 +81,12 @@ const MOST: usize = 256;
 
 /// How the vertices of another mesh follow the nodes, where the base mesh has these rows, and the greatest distance of a vertex from
 /// the base surface, m.
-pub(super) fn rows_of(set: &ExampleSet, base: &Rows, mesh: &Mesh, tasks: &dyn TaskSystem) -> Result<(Rows, f32), Error> {
+pub(super) fn rows_of(
+    set: &ExampleSet,
+    base: &Rows,
+    mesh: &Mesh,
+    tasks: &dyn TaskSystem,
+) -> Result<(Rows, f32), Error> {
     let (bound, farthest) = bind(set, mesh, tasks)?;
     let at = |v: u32| {
         let Corners { vertices, weights } = bound[v as usize];
@@ -116,7 +121,8 @@ fn bind_one(set: &ExampleSet, surface: &SurfaceIndex, p: Vec3) -> Result<(Corner
     }
     let mut nearest: Vec<(f32, &IndexedTriangle)> = Vec::new();
     for (d, t) in surface.by_distance(p) {
-        if nearest.first().is_some_and(|n| d > n.0 * (1.0 + EQUALLY_NEAR) + f32::MIN_POSITIVE) || nearest.len() == MOST {
+        if nearest.first().is_some_and(|n| d > n.0 * (1.0 + EQUALLY_NEAR) + f32::MIN_POSITIVE) || nearest.len() == MOST
+        {
             break;
         }
         nearest.push((d, t));

@@ -147,38 +147,41 @@ impl Rows {
             row.sort_by_key(|(node, _)| *node);
             row
         };
-        rows(mesh, map(tasks, 0..mesh.positions().len().div_ceil(TILE), |t| {
-            let range = t * TILE..((t + 1) * TILE).min(mesh.positions().len());
-            let entries = |v: usize| if slopes.is_empty() { &[][..] } else { slopes.entries(v) };
-            // The vertices whose rows the tile needs, and these.
-            let mut needed: Vec<u32> = range.clone().map(|v| v as u32).collect();
-            needed.extend(range.clone().flat_map(entries).map(|(neighbour, _)| *neighbour));
-            needed.sort_unstable();
-            needed.dedup();
-            let found: Vec<Vec<(u32, f64)>> = needed.iter().map(|v| row(*v)).collect();
-            let row = |v: u32| &found[needed.partition_point(|n| *n < v)];
-            let mut nodes: Vec<u32> = found.iter().flatten().map(|(node, _)| *node).collect();
-            nodes.sort_unstable();
-            nodes.dedup();
-            let place = |node: u32| nodes.partition_point(|n| *n < node);
-            let mut weights = vec![[0; TILE]; nodes.len()];
-            let mut turns = vec![[[0.0; 2]; TILE]; if slopes.is_empty() { 0 } else { nodes.len() }];
-            for (lane, v) in range.enumerate() {
-                let mut own = vec![0.0; nodes.len()];
-                row(v as u32).iter().for_each(|(node, w)| own[place(*node)] += w);
-                // Less than 1 near held vertices.
-                let total = own.iter().sum::<f64>() * f64::from(ONE);
-                weights.iter_mut().zip(rounded(&own, libm::round(total) as i32)).for_each(|(to, w)| to[lane] = w);
-                for (neighbour, along) in entries(v) {
-                    for (node, w) in row(*neighbour) {
-                        add_slope(&mut turns[place(*node)][lane], *along, *w);
+        rows(
+            mesh,
+            map(tasks, 0..mesh.positions().len().div_ceil(TILE), |t| {
+                let range = t * TILE..((t + 1) * TILE).min(mesh.positions().len());
+                let entries = |v: usize| if slopes.is_empty() { &[][..] } else { slopes.entries(v) };
+                // The vertices whose rows the tile needs, and these.
+                let mut needed: Vec<u32> = range.clone().map(|v| v as u32).collect();
+                needed.extend(range.clone().flat_map(entries).map(|(neighbour, _)| *neighbour));
+                needed.sort_unstable();
+                needed.dedup();
+                let found: Vec<Vec<(u32, f64)>> = needed.iter().map(|v| row(*v)).collect();
+                let row = |v: u32| &found[needed.partition_point(|n| *n < v)];
+                let mut nodes: Vec<u32> = found.iter().flatten().map(|(node, _)| *node).collect();
+                nodes.sort_unstable();
+                nodes.dedup();
+                let place = |node: u32| nodes.partition_point(|n| *n < node);
+                let mut weights = vec![[0; TILE]; nodes.len()];
+                let mut turns = vec![[[0.0; 2]; TILE]; if slopes.is_empty() { 0 } else { nodes.len() }];
+                for (lane, v) in range.enumerate() {
+                    let mut own = vec![0.0; nodes.len()];
+                    row(v as u32).iter().for_each(|(node, w)| own[place(*node)] += w);
+                    // Less than 1 near held vertices.
+                    let total = own.iter().sum::<f64>() * f64::from(ONE);
+                    weights.iter_mut().zip(rounded(&own, libm::round(total) as i32)).for_each(|(to, w)| to[lane] = w);
+                    for (neighbour, along) in entries(v) {
+                        for (node, w) in row(*neighbour) {
+                            add_slope(&mut turns[place(*node)][lane], *along, *w);
+                        }
                     }
                 }
-            }
-            let mut tile = FittedTile { nodes, weights, slopes: turns };
-            tile.forget_unused();
-            tile
-        }))
+                let mut tile = FittedTile { nodes, weights, slopes: turns };
+                tile.forget_unused();
+                tile
+            }),
+        )
     }
 
     /// Lets these vertices follow nothing.
@@ -264,7 +267,9 @@ fn slope_units(mesh: &Mesh, fitted: &[FittedTile]) -> Vec<f32> {
         let of = first(&mut group, tile);
         steepest[of] = steepest[of].max(steepest[tile]);
     }
-    let unit = |steepest: f32| if steepest > 0.0 && steepest.is_finite() { (steepest / 127.0).max(f32::MIN_POSITIVE) } else { 1.0 };
+    let unit = |steepest: f32| {
+        if steepest > 0.0 && steepest.is_finite() { (steepest / 127.0).max(f32::MIN_POSITIVE) } else { 1.0 }
+    };
     (0..fitted.len()).map(|tile| unit(steepest[first(&mut group, tile)])).collect()
 }
 

@@ -88,13 +88,8 @@ fn followed(
     let first = job.block * (BLOCK / TILE);
     let short = base.len() < 3 * BLOCK;
     let (mut normals, base_normals) = normals.unzip();
-    let Scratch {
-        moves,
-        base: whole_base,
-        base_normals: whole_normals,
-        positions: short_to,
-        normals: short_normals,
-    } = scratch;
+    let Scratch { moves, base: whole_base, base_normals: whole_normals, positions: short_to, normals: short_normals } =
+        scratch;
     let whole_base = whole(base, whole_base);
     let whole_normals = base_normals.map(|base| whole(base, whole_normals));
     let mut bounds = Aabb::EMPTY;

@@ -143,7 +143,6 @@ impl<S: Simd> Extent<S> {
         let rest = &self.rest;
         if rest.0.x > rest.1.x { (low, high) } else { (low.min(rest.0), high.max(rest.1)) }
     }
-
 }
 
 /// Writes normals, x y z x y z …, in [`crate::Encoding::Octahedral16x2`], which has the formula.

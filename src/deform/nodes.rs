@@ -113,7 +113,8 @@ impl NodeState {
         // The same numbers whenever the same dent comes or goes.
         let per_unit = f64::from(factor) / f64::from(self.unit);
         for (node, u) in field.moved() {
-            let units = (u.as_dvec3() * per_unit).to_array().map(|x| libm::round(x.clamp(-MOST_UNITS, MOST_UNITS)) as i64);
+            let units =
+                (u.as_dvec3() * per_unit).to_array().map(|x| libm::round(x.clamp(-MOST_UNITS, MOST_UNITS)) as i64);
             let at = node as usize;
             self.sums[at] += I64Vec3::from_array(units) * sign;
             if !self.is_touched[at] {

@@ -23,7 +23,14 @@ pub(crate) struct MeshLod {
 
 impl MeshLod {
     pub(crate) fn new(mesh: Mesh, rim: Rim, anchored: Vec<Arc<DeltaBlocks>>) -> Self {
-        MeshLod { block_bounds: mesh.block_bounds().clone(), mesh, rim, anchored, rows: Rows::default(), edge: OnceLock::new() }
+        MeshLod {
+            block_bounds: mesh.block_bounds().clone(),
+            mesh,
+            rim,
+            anchored,
+            rows: Rows::default(),
+            edge: OnceLock::new(),
+        }
     }
 
     /// The displacements of all vertices by an example where it was made, m.

@@ -69,8 +69,7 @@ impl Points {
     fn of(source: &Source<'_>) -> Self {
         let (nodes, bounds) = (source.nodes, source.mesh.bounds());
         let count = nodes.vertex_count();
-        let held =
-            if nodes.rim.is_open() { Vec::new() } else { (0..count as u32).map(|v| nodes.rim.at(v)).collect() };
+        let held = if nodes.rim.is_open() { Vec::new() } else { (0..count as u32).map(|v| nodes.rim.at(v)).collect() };
         Points {
             normals: nodes.mesh.normals().map_or_else(|| vec![Vec3::ZERO; count], <[Vec3]>::to_vec),
             held,

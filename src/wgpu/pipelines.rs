@@ -14,8 +14,7 @@ macro_rules! built {
 
 /// In the order of [`Variant::source`].
 const MODULES: [Module; 2] = built!(include "wgpu_modules.rs");
-const SOURCES: [&str; 2] =
-    [built!(include_str "nodes_uniform.wgsl"), built!(include_str "classic_uniform.wgsl")];
+const SOURCES: [&str; 2] = [built!(include_str "nodes_uniform.wgsl"), built!(include_str "classic_uniform.wgsl")];
 const NAMES: [&str; 2] = ["crumple: nodes", "crumple: classic"];
 const WORKGROUP: &str = "@workgroup_size(128)";
 

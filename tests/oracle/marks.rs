@@ -1,9 +1,7 @@
 //! The default model: displacements from marks, one vertex at a time.
 
 use super::body::mirrored;
-use super::vector::{
-    Matrix, V, add, apply, dot, from_f32, length, product, rotation_between, scale, sub, transpose,
-};
+use super::vector::{Matrix, V, add, apply, dot, from_f32, length, product, rotation_between, scale, sub, transpose};
 use super::{Example, Model};
 
 /// A mark's pair of example and share.

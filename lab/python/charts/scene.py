@@ -1,4 +1,4 @@
-"""Dented bodies before a camera: what tolerances and levels of detail cost, against what is off on the screen."""
+"""Dented bodies before a camera: what levels of detail cost, against what is off on the screen."""
 
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
@@ -6,7 +6,7 @@ import style
 from style import plt
 
 TICKS = (0, 0.01, 0.03, 0.1, 0.3, 1, 3, 10)
-LINES = [("base mesh", "the base mesh, with a tolerance of so many pixels", style.INK), ("view", "level of detail by set_view, for so many pixels", style.OURS)]
+LINES = [("base mesh", "the base mesh", style.INK), ("view", "level of detail by set_view, for so many pixels", style.OURS)]
 
 
 def draw(directory):

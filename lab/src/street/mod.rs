@@ -1,4 +1,4 @@
-//! A street after the crash: 1000 dented bodies from 1 m to 200 m before a camera. What tolerances and levels of detail cost and
+//! A street after the crash: 1000 dented bodies from 1 m to 200 m before a camera. What levels of detail cost and
 //! save, and how far off what is seen is, in pixels. And what a vertex budget does for frames with more hits than time.
 
 mod raster;
@@ -12,7 +12,7 @@ use anyhow::Result;
 use crumple::import::{MeshChoice, gltf_file};
 use crumple::{
     Attachment, DeformJob, DeformReport, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData,
-    Serial, SetOptions, Tracker, VertexMemory, deform_within, pixel_tolerance,
+    Serial, SetOptions, Tracker, VertexMemory, deform_within,
 };
 use glam::{Mat3, Vec3};
 use raster::{FOV, HEIGHT, Place, Raster};
@@ -22,10 +22,8 @@ use crate::metric::{median, quantile};
 use crate::stability::Dice;
 use crate::table::{Table, num};
 
-/// What is off on the screen may be so many pixels: as tolerance of the base mesh, and of `Instance::set_view`.
-const TOLERANCES: [f32; 5] = [0.0, 0.25, 0.5, 1.0, 2.0];
+/// What is off on the screen may be so many pixels, for `Instance::set_view`.
 const VIEWS: [f32; 6] = [0.125, 0.25, 0.5, 1.0, 2.0, 4.0];
-const BOTH: [f32; 2] = [0.5, 1.0];
 /// Cells of the levels of detail, in edges of the base mesh.
 const CELLS: [f32; 4] = [2.0, 4.0, 8.0, 16.0];
 /// A pixel is dented where its surface point has moved by as many pixels.
@@ -40,12 +38,10 @@ const BUDGETS: [u64; 4] = [50_000, 100_000, 200_000, u64::MAX];
 /// How bodies are shown.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Shown {
-    /// The base mesh, with a tolerance in pixels.
-    Base(f32),
+    /// The base mesh.
+    Base,
     /// The level that [`Instance::set_view`] chooses for so many pixels.
     View(f32),
-    /// The same, and a tolerance of so many pixels too.
-    Both(f32),
 }
 
 /// A body of which several stand in the scene.
@@ -70,7 +66,6 @@ struct Outcome {
     ms: Vec<f64>,
     vertices: u64,
     written: u64,
-    parts: u64,
     bytes: usize,
     lods: Vec<usize>,
     /// Positions at the end, body by body.
@@ -94,7 +89,6 @@ fn seen(options: &Options, kinds: &[Kind], bodies: &[Body], frames: usize) -> Re
         "ms_p90",
         "vertices_per_frame",
         "blocks_per_frame",
-        "parts_skipped",
         "bytes_bodies",
         "error_px_median",
         "error_px_p99",
@@ -111,7 +105,7 @@ fn seen(options: &Options, kinds: &[Kind], bodies: &[Body], frames: usize) -> Re
         "cost",
         "submitting the hits and deforming all outputs, positions and normals, on one thread, median of the frames",
     );
-    table.comment("error", "how far the surface point that covers a pixel is off on the screen, against the base mesh without tolerance; 1920 x 1080, 60 degrees");
+    table.comment("error", "how far the surface point that covers a pixel is off on the screen, against the base mesh; 1920 x 1080, 60 degrees");
     table.comment(
         "dent_error",
         "the same without what a level's shape is off at rest, of pixels that dents move by a tenth of a pixel or more",
@@ -123,19 +117,18 @@ fn seen(options: &Options, kinds: &[Kind], bodies: &[Body], frames: usize) -> Re
         table.comment("levels", format!("{} vertices {}", NAMES[i], vertices.join(" ")));
     }
     // The first run warms and is the reference; what is measured then is the same again.
-    let exact = play(kinds, bodies, &hits, Shown::Base(0.0))?;
+    let exact = play(kinds, bodies, &hits, Shown::Base)?;
     let mut raster = Raster::new();
     for (b, body) in bodies.iter().enumerate() {
         raster.draw(b as u32, &body.place, &exact.positions[b], kinds[body.kind].set.mesh().triangles());
     }
-    for shown in TOLERANCES.map(Shown::Base).into_iter().chain(VIEWS.map(Shown::View)).chain(BOTH.map(Shown::Both)) {
+    for shown in std::iter::once(Shown::Base).chain(VIEWS.map(Shown::View)) {
         let got = play(kinds, bodies, &hits, shown)?;
         let e = Errors::measure(kinds, bodies, &raster, &exact, &got);
         let per_frame = |n: u64| num(n as f64 / frames as f64);
         let (name, pixels) = match shown {
-            Shown::Base(pixels) => ("base mesh", pixels),
+            Shown::Base => ("base mesh", 0.0),
             Shown::View(pixels) => ("view", pixels),
-            Shown::Both(pixels) => ("view and tolerance", pixels),
         };
         table.row([
             name.to_owned(),
@@ -144,7 +137,6 @@ fn seen(options: &Options, kinds: &[Kind], bodies: &[Body], frames: usize) -> Re
             num(quantile(&got.ms, 0.9)),
             per_frame(got.vertices),
             per_frame(got.written),
-            per_frame(got.parts),
             got.bytes.to_string(),
             num(median(&e.all)),
             num(quantile(&e.all, 0.99)),
@@ -305,14 +297,10 @@ impl Street {
         for body in bodies {
             let set = &kinds[body.kind].set;
             let mut instance = Instance::new(set.clone(), InstanceOptions::default())?;
-            let (Shown::Base(pixels) | Shown::View(pixels) | Shown::Both(pixels)) = shown;
             let lod = match shown {
-                Shown::Base(_) => 0,
-                _ => instance.set_view(pixels, body.distance, FOV, HEIGHT as f32)?,
+                Shown::Base => 0,
+                Shown::View(pixels) => instance.set_view(pixels, body.distance, FOV, HEIGHT as f32)?,
             };
-            if !matches!(shown, Shown::View(_)) {
-                instance.set_tolerance(pixel_tolerance(pixels, body.distance, FOV, HEIGHT as f32))?;
-            }
             instances.push(instance);
             positions.push(vec![[0.0; 3]; set.lod_mesh(lod)?.positions().len()]);
             lods.push(lod);
@@ -352,7 +340,6 @@ fn play(kinds: &[Kind], bodies: &[Body], hits: &[Vec<(usize, Hit)>], shown: Show
         out.ms.push(start.elapsed().as_secs_f64() * 1e3);
         out.vertices += report.vertices_written;
         out.written += report.blocks_written;
-        out.parts += report.parts_skipped;
     }
     let floats = |all: &[Vec<[f32; 3]>]| all.iter().map(|v| v.len() * 12).sum::<usize>();
     let marks = street.instances.iter().map(Instance::memory_bytes).sum::<usize>();
