@@ -355,8 +355,6 @@ typedef struct CrumpleInstanceDef {
     float max_contact_distance;
     /// Constant of CRUMPLE_RULE_BLEND, 0 to 1. Default 0.
     float blend_constant;
-    /// Largest position error, m; see crumple_instance_set_tolerance(). Default 0: none.
-    float tolerance;
     /// How far a blow of 1 N s moves its contact, m per N s, if no example of the set knows its blow. duration and mass of
     /// impulses are then unused. Default 0: duration / mass.
     float compliance;
@@ -637,8 +635,6 @@ typedef struct CrumpleDeformReport {
     uint64_t blocks_written;
     /// Blocks that were up to date.
     uint64_t blocks_skipped;
-    /// Examples of marks skipped by tolerances; see crumple_instance_set_tolerance().
-    uint64_t parts_skipped;
     /// Vertices that wait for a later call; see crumple_context_set_vertex_budget().
     uint64_t vertices_waiting;
     uint64_t reserved[3];
@@ -742,23 +738,13 @@ CrumpleResult crumple_instance_set_depth_limit(CrumpleContext *context, CrumpleI
 /// set when the change was read. Marks change at once, and so does damage that is set, loaded, copied or reset.
 CrumpleResult crumple_context_set_time(CrumpleContext *context, double time);
 
-/// Allows an error of up to tolerance in vertex positions, m, in the mesh's space: small displacements are skipped,
-/// which is cheaper. 0: none. Seams stay closed. Rounded down to a power of two in metres, so that you may set it every
-/// frame; when the rounded value changes, the next deform writes every dented block. Classic rules ignore it.
-CrumpleResult crumple_instance_set_tolerance(CrumpleContext *context, CrumpleInstance instance, float tolerance);
-
 /// Chooses how finely to show an instance where errors of so many pixels do not matter, such as 0.5. out_lod, which may
 /// be null, receives the level of detail to show: the coarsest whose mean edge covers at most 16 * pixels on screen.
-/// Without levels of detail, sets the tolerance to as many pixels; with them, to 0. distance, m, in the mesh's space:
-/// from the camera to the nearest point of the instance. fov_y: the vertical field of view, radians. viewport_height:
+/// Under a vertex budget, near instances wait less than distant ones. distance, m, in the mesh's space: from the camera
+/// to the nearest point of the instance. fov_y: the vertical field of view, radians. viewport_height:
 /// pixels. Cheap; call it every frame. Not for sets whose further meshes are parts of the body.
 CrumpleResult crumple_instance_set_view(CrumpleContext *context, CrumpleInstance instance, float pixels, float distance,
                                         float fov_y, float viewport_height, uint32_t *out_lod);
-
-/// Returns the length, m, that covers a number of pixels at a distance, m, for a camera as in
-/// crumple_instance_set_view(), or 0 for invalid arguments: negative or NaN, a field of view of 0 or at least pi, a
-/// height of 0.
-float crumple_pixel_tolerance(float pixels, float distance, float fov_y, float viewport_height);
 
 CrumpleHitDef crumple_hit_def_default(void);
 /// Submits a hit. The call selects the examples. The next read of the damage applies the mark (see "Reads" at the top).

@@ -301,15 +301,11 @@ public:
     Result<void> set_depth_limit(float limit) {
         return detail::done(crumple_instance_set_depth_limit(context(), id(), limit));
     }
-    /// tolerance in m; 0: nothing is skipped. See crumple_pixel_tolerance().
     /// Chooses how finely to show the instance, and returns the level of detail to show.
     Result<uint32_t> set_view(float pixels, float distance, float fov_y, float viewport_height) {
         return detail::get<uint32_t>([&](uint32_t *lod) {
             return crumple_instance_set_view(context(), id(), pixels, distance, fov_y, viewport_height, lod);
         });
-    }
-    Result<void> set_tolerance(float tolerance) {
-        return detail::done(crumple_instance_set_tolerance(context(), id(), tolerance));
     }
 
     /// May be called from any thread at any time.

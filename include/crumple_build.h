@@ -36,14 +36,6 @@ typedef enum CrumpleIndexType {
     CRUMPLE_INDEX_TYPE_U16 = 1,
 } CrumpleIndexType;
 
-/// What happens when an example moves apart vertices that share a base position.
-typedef enum CrumpleSeams {
-    /// The vertices stay together: each gets the mean of their displacements. The default.
-    CRUMPLE_SEAMS_WELD = 0,
-    /// The vertices move apart as in the example, for tears that the artist made.
-    CRUMPLE_SEAMS_KEEP = 1,
-} CrumpleSeams;
-
 /// An array that Crumple reads during the call. Element i is at data + i * stride. The field that uses it states count
 /// and type. All fields zero: absent.
 typedef struct CrumpleInput {
@@ -134,7 +126,6 @@ typedef struct CrumpleExampleSetOptions {
     float bake_normal_tolerance;
     /// Mass of each vertex, kg: vertex_count floats, instead of vertex_mass. Default absent.
     CrumpleInput vertex_masses;
-    CrumpleSeams seams;
     /// Also use mirrored copies of the examples if the body is symmetric about a coordinate plane through the centre of
     /// its bounds. Default true.
     bool mirror;

@@ -60,7 +60,7 @@ CrumpleResult crumple_instance_set_part_rigid(CrumpleContext *context, CrumpleIn
 
 /// Measures how far the vertices of mesh lod have moved, m: the furthest, and their mean. out_energy receives the depth of
 /// one hit that has the energy of all marks whose contact is on the mesh, m; it grows with every hit. Dents count in full
-/// while they grow, and tolerance leaves out nothing, so all are equal on all machines. Takes about as long as a deform of
+/// while they grow, so all are equal on all machines. Takes about as long as a deform of
 /// the whole mesh. Any output may be null.
 CrumpleResult crumple_instance_measure_part(CrumpleContext *context, CrumpleInstance instance, uint32_t lod,
                                             float *out_deepest, float *out_mean, float *out_energy);

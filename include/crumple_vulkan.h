@@ -108,7 +108,6 @@ typedef struct CrumpleRecordReport {
     /// Blocks that will be written. 0: only queue-family transfers were recorded, if any.
     uint64_t blocks_written;
     uint64_t blocks_skipped;
-    uint64_t parts_skipped;
     /// Bytes that the commands copy to the device, including meshes used for the first time.
     uint64_t bytes_copied;
     /// Dispatches: one per VkBuffer, and one per buffer of an instance with a classic rule.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use arbitrary::Unstructured;
 use crumple::{
     Contact, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, Mark, MeshData, Placement,
-    Seams, Serial, SetOptions,
+    Serial, SetOptions,
 };
 
 use crate::seeds;
@@ -58,7 +58,6 @@ fn body(bytes: &mut Unstructured<'_>) -> arbitrary::Result<Option<(Instance, f32
     let count = bytes.int_in_range(1..=6)?;
     let examples = (0..count).map(|_| example(bytes, &mesh, unit)).collect::<Result<Vec<_>, _>>()?;
     let options = SetOptions {
-        seams: if bytes.arbitrary()? { Seams::Weld } else { Seams::Keep },
         mirror: bytes.arbitrary()?,
         held_rims: bytes.arbitrary()?,
         stamp_resolution: bytes.int_in_range(4..=24)?,

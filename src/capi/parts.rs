@@ -81,7 +81,7 @@ pub unsafe extern "C" fn crumple_instance_set_part_rigid(
 
 /// Measures how far the vertices of mesh lod have moved, m: the furthest, and their mean. out_energy receives the depth of
 /// one hit that has the energy of all marks whose contact is on the mesh, m; it grows with every hit. Dents count in full
-/// while they grow, and tolerance leaves out nothing, so all are equal on all machines. Takes about as long as a deform of
+/// while they grow, so all are equal on all machines. Takes about as long as a deform of
 /// the whole mesh. Any output may be null.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_measure_part(

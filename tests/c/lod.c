@@ -84,7 +84,7 @@ static void levels(CrumpleContext *context) {
     OK(crumple_instance_submit_hit(context, body, &hit, NULL));
     CrumpleDeformReport report;
     OK(crumple_context_deform(context, &level, 1, &report));
-    FACT(report.vertices_written == COARSE_VERTICES && report.parts_skipped == 0);
+    FACT(report.vertices_written == COARSE_VERTICES);
     OK(crumple_context_deform(context, NULL, 0, &report));
     FACT(report.vertices_written == VERTICES);
     int moved = 0;
@@ -94,16 +94,6 @@ static void levels(CrumpleContext *context) {
     }
     FACT(moved > 3);
 
-    // Farther than the eye can tell, nothing is dented.
-    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "tolerance", crumple_instance_set_tolerance(context, body, -1));
-    OK(crumple_instance_set_tolerance(context, body, crumple_pixel_tolerance(1, 1e4f, 1, 1080)));
-    OK(crumple_context_deform(context, NULL, 0, &report));
-    FACT(report.parts_skipped > 0);
-    FACT(memcmp(few, coarse, sizeof few) == 0 && memcmp(fine, sheet.positions, sizeof fine) == 0);
-    OK(crumple_instance_set_tolerance(context, body, 0));
-    OK(crumple_context_deform(context, NULL, 0, NULL));
-    FACT(memcmp(few, coarse, sizeof few) != 0);
-    FACT(crumple_pixel_tolerance(-1, 10, 1, 1080) == 0 && crumple_pixel_tolerance(1, 10, 1, 1080) > 0);
     uint32_t shown = 7;
     OK(crumple_instance_set_view(context, body, 1, 1e4f, 1, 1080, &shown));
     FACT(shown == 1);

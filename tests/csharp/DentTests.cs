@@ -298,7 +298,6 @@ static class DentTests
             context.Deform();
             Check.Near(0.01f, Sheet.Deepest(vertices), 1e-5f, "limited");
             body.SetDepthLimit(0);
-            body.SetTolerance(0.001f);
             CrumpleVec3[] fresh = new CrumpleVec3[Sheet.Vertices];
             buffer.SetMemory(StridedArray.Of(fresh));
             Check.Fails(CrumpleResult.ErrorBufferTooSmall, "positions", () => buffer.SetMemory(StridedArray.Of(new float[3], 0, 12)));

@@ -27,7 +27,6 @@ static class ErrorTests
             Check.Fails(CrumpleResult.ErrorDamageMismatch, "", () => body.LoadDamage(default(ReadOnlySpan<byte>)));
             Check.Fails(CrumpleResult.ErrorInvalidArgument, "", () => body.EndContact(0));
             Check.Fails(CrumpleResult.ErrorInvalidArgument, "", () => body.RepairDamage(2));
-            Check.Fails(CrumpleResult.ErrorInvalidArgument, "", () => body.SetTolerance(-1));
             Check.Fails(CrumpleResult.ErrorInvalidArgument, "contact", () => body.SetMarks(new[] { new CrumpleMark { Contact = 99999 } }));
             body.SubmitDisplacement(middle, down);
             Check.Fails(CrumpleResult.ErrorBufferTooSmall, "room for 0", () => body.CopyMarks(default(Span<CrumpleMark>)));

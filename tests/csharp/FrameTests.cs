@@ -47,7 +47,6 @@ static class FrameTests
                 body.Submit(in part);
                 body.EndContact(part.ContactId);
                 body.SetTransform(transform);
-                body.SetTolerance(CrumpleRuntime.PixelTolerance(1, 20, 1, 1080));
                 written += context.Deform().VerticesWritten;
                 context.Deform(buffers);
                 buffer.GetChanges(ranges, out CrumpleAabb bounds);

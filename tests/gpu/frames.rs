@@ -78,7 +78,7 @@ fn targets_beyond_the_budget_wait_whole() {
 
 /// Writes a dozen meshes in one buffer. Returns the number of dispatches.
 pub fn dozen(gpu: &mut Gpu) -> u32 {
-    let mesh = scenes::sheet(24);
+    let mesh = scenes::sheet(16);
     let mut examples = scenes::bowls(&mesh, 3, 0.3, 1);
     examples.iter_mut().for_each(|e| e.placement = Placement::Anchored);
     let set = scenes::build(mesh, examples, SetOptions::default());

@@ -51,10 +51,6 @@ pub struct CrumpleMeshInstance3D {
     #[export(range = (0.0, 1.0, 0.001, or_greater, suffix = "m"))]
     #[var(set)]
     depth_limit: f32,
-    /// How far any vertex may be wrong, m, so that many dents cost less.
-    #[export(range = (0.0, 0.01, 0.0001, or_greater, suffix = "m"))]
-    #[var(set)]
-    error_tolerance: f32,
 
     /// If `true`, collisions of [member contact_body] dent the mesh. It is read when the node enters the tree.
     #[export_group(name = "Contacts")]
@@ -95,7 +91,6 @@ impl IMeshInstance3D for CrumpleMeshInstance3D {
             vertex_mass: 0.5,
             yield_impulse: 0.0,
             depth_limit: 0.0,
-            error_tolerance: 0.0,
             contacts: true,
             contact_body: None,
             character_mass: 80.0,
@@ -346,14 +341,6 @@ impl CrumpleMeshInstance3D {
     }
 
     #[func]
-    fn set_error_tolerance(&mut self, error_tolerance: f32) {
-        let before = std::mem::replace(&mut self.error_tolerance, error_tolerance);
-        if !self.renew() {
-            self.error_tolerance = before;
-        }
-    }
-
-    #[func]
     fn get_damage(&self) -> PackedByteArray {
         self.save_damage()
     }
@@ -455,7 +442,6 @@ impl CrumpleMeshInstance3D {
         InstanceOptions {
             yield_impulse: self.yield_impulse,
             depth_limit: (self.depth_limit != 0.0).then_some(self.depth_limit),
-            tolerance: self.error_tolerance,
             compliance: Some(self.duration / self.vertex_mass),
             ..InstanceOptions::default()
         }

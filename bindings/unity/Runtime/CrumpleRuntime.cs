@@ -47,16 +47,6 @@ namespace Crumple
         }
 
         /// <summary>
-        /// The length, m, that covers so many pixels at a distance, m, before a camera with this vertical field of view, radians,
-        /// and viewport height, pixels: for <see cref="Instance.SetTolerance"/>. 0 for values that make no sense. Any thread.
-        /// </summary>
-        public static float PixelTolerance(float pixels, float distance, float fovY, float viewportHeight)
-        {
-            EnsureLoaded();
-            return NativeMethods.crumple_pixel_tolerance(pixels, distance, fovY, viewportHeight);
-        }
-
-        /// <summary>
         /// Destroys every context that this application domain has made, and unpins their memory; what belongs to them throws
         /// <see cref="ObjectDisposedException"/> from then on, and new contexts may be made. For hosts that unload managed code
         /// while the native library stays, such as Unity's editor before it reloads scripts. Happens by itself when the domain

@@ -98,16 +98,6 @@ namespace Crumple
         }
 
         /// <summary>
-        /// Vertices may be wrong by up to this, m, so that they cost less; see <see cref="CrumpleRuntime.PixelTolerance"/>.
-        /// </summary>
-        public void SetTolerance(float tolerance)
-        {
-            using (Call call = Context.EnterAlone(this))
-                call.Check(NativeMethods.crumple_instance_set_tolerance(call.Context, Id, tolerance),
-                    "crumple_instance_set_tolerance");
-        }
-
-        /// <summary>
         /// Reports a hit. One that is too weak, or that no example answers, is no error: see Status of the result. Any thread, at
         /// any time. Allocates nothing.
         /// </summary>

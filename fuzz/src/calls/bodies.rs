@@ -37,8 +37,7 @@ impl Host<'_> {
             }
             7 => crumple_instance_set_depth_limit(context, id, self.number()?),
             8 => crumple_context_set_time(context, f64::from(self.number()?)),
-            9 => crumple_instance_set_tolerance(context, id, self.number()?),
-            10 => {
+            9 | 10 => {
                 let (pixels, distance, fov, height) = (self.number()?, self.number()?, self.number()?, self.number()?);
                 crumple_instance_set_view(context, id, pixels, distance, fov, height, null_mut())
             }

@@ -116,9 +116,6 @@ impl Host<'_> {
                 crumple_allocator_set(if self.bytes.arbitrary()? { &def } else { null() })
             }
             _ => {
-                let [pixels, distance, fov, height] = [self.number()?, self.number()?, self.number()?, self.number()?];
-                let length = crumple_pixel_tolerance(pixels, distance, fov, height);
-                assert!(length >= 0.0, "{pixels} pixels are {length} m");
                 for text in [crumple_result_name(enumerator(self.word()?)), crumple_version_string()] {
                     assert!(!CStr::from_ptr(text).is_empty());
                 }

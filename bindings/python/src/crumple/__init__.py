@@ -31,7 +31,6 @@ from .types import (
     Primitive,
     Result,
     Rule,
-    Seams,
     Selection,
     SetInfo,
     SetOptions,
@@ -45,5 +44,5 @@ __version__: str = library.crumple_version_string().decode()
 __all__ = [
     "MARK", "Attachment", "Buffer", "Changes", "Chosen", "ContactHit", "ContactPoint", "ContactReport", "Context", "CrumpleError",
     "DeformReport", "Example", "ExampleInfo", "ExampleSet", "Frame", "HitResult", "HitStatus", "Instance", "InstanceInfo", "Mesh", "Placement", "Primitive", "Result",
-    "Rule", "Seams", "Selection", "SetInfo", "SetOptions", "Space", "Striker", "keep_out", "library", "native",
+    "Rule", "Selection", "SetInfo", "SetOptions", "Space", "Striker", "keep_out", "library", "native",
 ]  # fmt: skip

@@ -215,7 +215,6 @@ class CrumpleInstanceDef(c.Structure):
         ("yield_displacement", c.c_float),
         ("max_contact_distance", c.c_float),
         ("blend_constant", c.c_float),
-        ("tolerance", c.c_float),
         ("compliance", c.c_float),
         ("grow_time", c.c_float),
         ("local_to_world", c.c_float * 16),
@@ -411,7 +410,6 @@ class CrumpleDeformReport(c.Structure):
         ("vertices_written", c.c_uint64),
         ("blocks_written", c.c_uint64),
         ("blocks_skipped", c.c_uint64),
-        ("parts_skipped", c.c_uint64),
         ("vertices_waiting", c.c_uint64),
         ("reserved", c.c_uint64 * 3),
     ]
@@ -445,13 +443,6 @@ class CrumpleIndexType(IntEnum):
 
     U32 = 0
     U16 = 1
-
-
-class CrumpleSeams(IntEnum):
-    """What happens when an example moves apart vertices that share a base position."""
-
-    WELD = 0
-    KEEP = 1
 
 
 class CrumpleInput(c.Structure):
@@ -508,7 +499,6 @@ class CrumpleExampleSetOptions(c.Structure):
         ("bake_tolerance", c.c_float),
         ("bake_normal_tolerance", c.c_float),
         ("vertex_masses", CrumpleInput),
-        ("seams", c.c_uint32),
         ("mirror", c.c_bool),
         ("held_rims", c.c_bool),
     ]
@@ -702,7 +692,6 @@ class CrumpleRecordReport(c.Structure):
         ("vertices_written", c.c_uint64),
         ("blocks_written", c.c_uint64),
         ("blocks_skipped", c.c_uint64),
-        ("parts_skipped", c.c_uint64),
         ("bytes_copied", c.c_uint64),
         ("dispatches", c.c_uint32),
         ("reserved0", c.c_uint32),
@@ -797,9 +786,7 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "crumple_instance_set_transform": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(c.c_float)]),
     "crumple_instance_set_depth_limit": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_float]),
     "crumple_context_set_time": (c.c_uint32, [c.c_void_p, c.c_double]),
-    "crumple_instance_set_tolerance": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_float]),
     "crumple_instance_set_view": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_float, c.c_float, c.c_float, c.c_float, c.POINTER(c.c_uint32)]),
-    "crumple_pixel_tolerance": (c.c_float, [c.c_float, c.c_float, c.c_float, c.c_float]),
     "crumple_hit_def_default": (CrumpleHitDef, []),
     "crumple_instance_submit_hit": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleHitDef), c.POINTER(CrumpleHitResult)]),
     "crumple_context_submit_hits": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleInstance), c.POINTER(CrumpleHitDef), c.c_uint32, c.POINTER(CrumpleHitResult)]),

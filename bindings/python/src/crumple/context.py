@@ -20,7 +20,7 @@ from .instance import Buffer, Instance, _hit_result
 from .types import ContactHit, ContactPoint, ContactReport, DeformReport, Example, SetOptions
 
 _OPTIONS = (
-    "depth_limit", "drop_below", "vertex_mass", "stamp_resolution", "bake_tolerance", "bake_normal_tolerance", "seams",
+    "depth_limit", "drop_below", "vertex_mass", "stamp_resolution", "bake_tolerance", "bake_normal_tolerance",
     "mirror", "held_rims",
 )  # fmt: skip
 
@@ -224,7 +224,7 @@ class Context:
             if ids:
                 check(library.crumple_context_deform(self.handle, array, len(ids), ctypes.byref(report)))
         return DeformReport(
-            report.vertices_written, report.blocks_written, report.blocks_skipped, report.parts_skipped, report.vertices_waiting
+            report.vertices_written, report.blocks_written, report.blocks_skipped, report.vertices_waiting
         )
 
 

@@ -46,10 +46,6 @@ class Instance:
         """Limits how far a vertex moves, m. 0: the set's limit."""
         check(library.crumple_instance_set_depth_limit(self._context.handle, self.id, depth_limit))
 
-    def set_tolerance(self, tolerance: float) -> None:
-        """Allows an error of vertex positions, m, which makes deforming cheaper."""
-        check(library.crumple_instance_set_tolerance(self._context.handle, self.id, tolerance))
-
     def hit(
         self,
         point: ArrayLike,

@@ -21,7 +21,6 @@ from ._native import (
     CrumpleRule as Rule,
 )
 from ._native import (
-    CrumpleSeams as Seams,
 )
 from ._native import (
     CrumpleSelection as Selection,
@@ -32,7 +31,7 @@ from ._native import (
 
 __all__ = [
     "Attachment", "Changes", "Chosen", "DeformReport", "Example", "ExampleInfo", "Frame", "HitResult", "HitStatus",
-    "InstanceInfo", "MARK", "Mesh", "Placement", "Primitive", "Result", "Rule", "Seams", "Selection", "SetInfo", "SetOptions", "Space",
+    "InstanceInfo", "MARK", "Mesh", "Placement", "Primitive", "Result", "Rule", "Selection", "SetInfo", "SetOptions", "Space",
     "Striker",
 ]  # fmt: skip
 
@@ -95,7 +94,6 @@ class SetOptions:
     """Largest position error from quantisation, m. 0: exact floats."""
     bake_normal_tolerance: float = 1.0
     """Largest error of a normal, degrees. Unused if bake_tolerance is 0."""
-    seams: Seams = Seams.WELD
     mirror: bool = True
     """Also use mirrored copies of the examples if the body is symmetric."""
     held_rims: bool = True
@@ -270,7 +268,6 @@ class DeformReport:
     vertices_written: int
     blocks_written: int
     blocks_skipped: int
-    parts_skipped: int
     vertices_waiting: int
 
 

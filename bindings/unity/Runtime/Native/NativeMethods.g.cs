@@ -131,12 +131,6 @@ namespace Crumple.Native
         public static extern CrumpleResult crumple_context_set_time(IntPtr context, double time);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_instance_set_tolerance(
-            IntPtr context,
-            CrumpleInstance instance,
-            float tolerance);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_instance_set_view(
             IntPtr context,
             CrumpleInstance instance,
@@ -145,9 +139,6 @@ namespace Crumple.Native
             float fovY,
             float viewportHeight,
             uint* outLod);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern float crumple_pixel_tolerance(float pixels, float distance, float fovY, float viewportHeight);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleHitDef crumple_hit_def_default();

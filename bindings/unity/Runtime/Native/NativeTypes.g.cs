@@ -235,7 +235,6 @@ namespace Crumple
         public float YieldDisplacement;
         public float MaxContactDistance;
         public float BlendConstant;
-        public float Tolerance;
         public float Compliance;
         public float GrowTime;
         public fixed float LocalToWorld[16];
@@ -499,7 +498,6 @@ namespace Crumple
         public ulong VerticesWritten;
         public ulong BlocksWritten;
         public ulong BlocksSkipped;
-        public ulong PartsSkipped;
         public ulong VerticesWaiting;
         public fixed ulong Reserved[3];
     }
@@ -530,12 +528,6 @@ namespace Crumple
     {
         U32 = 0,
         U16 = 1,
-    }
-
-    public enum CrumpleSeams
-    {
-        Weld = 0,
-        Keep = 1,
     }
 
     /// <summary>The struct of the C headers.</summary>
@@ -615,7 +607,6 @@ namespace Crumple
         public float BakeTolerance;
         public float BakeNormalTolerance;
         public CrumpleInput VertexMasses;
-        public CrumpleSeams Seams;
         public CrumpleBool Mirror;
         public CrumpleBool HeldRims;
     }
@@ -877,7 +868,6 @@ namespace Crumple
         public ulong VerticesWritten;
         public ulong BlocksWritten;
         public ulong BlocksSkipped;
-        public ulong PartsSkipped;
         public ulong BytesCopied;
         public uint Dispatches;
         public uint Reserved0;
