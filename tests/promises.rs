@@ -240,7 +240,8 @@ proptest! {
         let mut dice = Dice::new(seed);
         let vertex = dice.index(set.vertex_count());
         let n = set.mesh().contact_normal(vertex as u32).unwrap();
-        let depth = set.depth_limit() * dice.between(0.2, 0.9);
+        // What is deeper approaches the limit.
+        let depth = 0.75 * set.depth_limit() * dice.between(0.2, 0.9);
         let mut instance = new(&set);
         let outcome = instance.submit(&push(base(&set, vertex), (n * -depth).to_array())).unwrap();
         prop_assert_eq!(outcome.status, HitStatus::Marked);
@@ -256,7 +257,7 @@ proptest! {
         // vertex is much deeper
         let at_contact = moved(outcome.contact_vertex as usize);
         let ought = if which == 2 { f64::from(length3(outcome.achieved)) } else { f64::from(depth) };
-        prop_assert!((at_contact - ought).abs() <= 0.06 * ought, "{at_contact}, not {ought}");
+        prop_assert!((at_contact - ought).abs() <= 0.01 * ought, "{at_contact}, not {ought}");
         prop_assert!(at_contact >= 0.9 * moved(deepest), "contact {at_contact}, deepest {}", moved(deepest));
         // a bowl is round: no vertex outside its radius moves much, and every vertex well inside moves
         for v in 0..set.vertex_count() {
@@ -443,9 +444,9 @@ fn sets_are_built_alike_on_any_number_of_threads() {
 #[test]
 fn quick_golden_marks_are_the_same_on_every_platform() {
     const GOLDEN: [(&str, u64, u64); 3] = [
-        ("sheet", 0x30e543b4630023d4, 0x2f8d1c1af3ecbec7),
-        ("ball", 0xeec286f519b21f69, 0x891e099fe79c1440),
-        ("cube", 0x11bb3e86925047eb, 0x67bab57549db5e06),
+        ("sheet", 0x30e543b4630023d4, 0x85969332ae69d250),
+        ("ball", 0xeec286f519b21f69, 0xddfc7ec6466a2aa8),
+        ("cube", 0x11bb3e86925047eb, 0x9308670562f4917d),
     ];
     let found: Vec<(&str, u64, u64)> = scenes::small_bodies()
         .into_iter()

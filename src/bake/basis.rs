@@ -28,7 +28,9 @@ const MIXED: usize = 3;
 /// The least depth of those hits, as a share of the deepest example.
 const SHALLOW: f32 = 0.15;
 /// The tolerance unless one is given, as a share of the deepest example.
-const TOLERANCE: f32 = 1.0 / 256.0;
+const TOLERANCE: f32 = 0.01;
+/// The most times that nodes are added then.
+const ROUNDS: u32 = 2;
 
 /// What a set has learned of hits.
 #[derive(Debug, Clone, PartialEq)]
@@ -44,7 +46,7 @@ pub struct RuleReport {
 
 impl ExampleSet {
     /// Learns again how the vertices follow *nodes*, a few of them, whose displacements alone are computed from hits
-    /// (docs/model.md, "Nodes"). [`ExampleSet::build`] has done so with a tolerance of a 256th of the deepest example. Vertices are
+    /// (docs/model.md, "Nodes"). [`ExampleSet::build`] has done so with a tolerance of a hundredth of the deepest example, adding nodes twice at most. Vertices are
     /// wrong by about the tolerance; the report says how much at worst. A rule is forgotten: [learn](ExampleSet::learn_rule) it afterwards.
     ///
     /// The basis is learned from the set's examples and from hits all over the body. Vertices that are neighbours in space should be
@@ -76,7 +78,7 @@ impl ExampleSet {
     /// The basis of a new set.
     pub(super) fn first_basis(&mut self, tasks: &dyn TaskSystem) -> Result<(), Error> {
         let tolerance = (TOLERANCE * deepest(self.examples())).max(f32::MIN_POSITIVE);
-        self.learn_basis(&BasisOptions::new(tolerance), tasks).map(|_| ())
+        self.learn_basis(&BasisOptions { rounds: ROUNDS, ..BasisOptions::new(tolerance) }, tasks).map(|_| ())
     }
 
     /// Lets the set predict hits from all of its examples at once, instead of mixing a few of them

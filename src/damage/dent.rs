@@ -21,7 +21,7 @@ use crate::base::math::rotation_between;
 use crate::basis::field::NodeField;
 use crate::example::mesh_lod::MeshLod;
 use crate::example::set::ExampleSet;
-use crate::example::stamp::Stamp;
+use crate::example::stamp::{Reader, Stamp};
 use crate::mesh::vertex_blocks::{BLOCK, block_range};
 use glam::{Mat3, Vec3};
 use std::sync::Arc;
@@ -187,15 +187,17 @@ fn moved(set: &ExampleSet, examples: &[PlacedExample], wide: f32, mesh: &MeshLod
         let mut sums = [Vec3::ZERO; BLOCK];
         let mut any = false;
         for (p, carried) in examples.iter().zip(&placed) {
-            let reaches = |c: &Carried<'_>| bounds.distance_squared(c.at.contact) <= c.reach_square;
             if let Some(carried) = carried {
-                if reaches(carried) {
+                if bounds.distance_squared(carried.contact) <= carried.reach_square {
                     any = true;
-                    let window = mesh.rim.block(block);
-                    for (i, at) in mesh.mesh.positions()[range.clone()].iter().enumerate() {
-                        if at.distance_squared(carried.at.contact) <= carried.reach_square {
-                            let held = window.map_or(1.0, |w| w[i]);
-                            sums[i] += carried.at.displacement(carried.stamp, *at) * (p.scale * held);
+                    let points = &mesh.mesh.positions()[range.clone()];
+                    match mesh.rim.block(block) {
+                        None => sums.iter_mut().zip(points).for_each(|(sum, at)| *sum += carried.at(*at)),
+                        Some(held) => {
+                            sums.iter_mut()
+                                .zip(points)
+                                .zip(held)
+                                .for_each(|((sum, at), w)| *sum += carried.at(*at) * *w);
                         }
                     }
                 }
@@ -213,11 +215,15 @@ fn moved(set: &ExampleSet, examples: &[PlacedExample], wide: f32, mesh: &MeshLod
     moved
 }
 
-/// An example read from its stamp.
+/// An example read from its stamp, prepared for many points.
 #[derive(Clone, Copy)]
 struct Carried<'a> {
-    stamp: &'a Stamp,
-    at: Placement,
+    reader: Reader<'a>,
+    contact: Vec3,
+    /// From mesh space, relative to the contact, to the stamp's frame.
+    to_frame: Mat3,
+    /// From the stamp's frame to mesh space, scaled.
+    back: Mat3,
     /// Squared distance from the contact beyond which nothing moves, m².
     reach_square: f32,
 }
@@ -233,9 +239,25 @@ impl<'a> Carried<'a> {
             None if wide > 1.0 => own,
             None => return None,
         };
-        let at = Placement { stretch: limited(at.stretch * wide), ..at };
-        let reach = stamp.reach(at.stretch);
-        Some(Carried { stamp, at, reach_square: reach * reach })
+        let stretch = limited(at.stretch * wide);
+        let reach = stamp.reach(stretch);
+        Some(Carried {
+            reader: stamp.reader(stretch),
+            contact: at.contact,
+            to_frame: at.frame.transpose(),
+            back: at.frame * placed.scale,
+            reach_square: reach * reach,
+        })
+    }
+
+    /// Scaled displacement at a point, m.
+    #[inline(always)]
+    fn at(&self, point: Vec3) -> Vec3 {
+        let p = point - self.contact;
+        if p.length_squared() > self.reach_square {
+            return Vec3::ZERO;
+        }
+        self.reader.at(self.to_frame * p).map_or(Vec3::ZERO, |u| self.back * u)
     }
 }
 

@@ -8,7 +8,7 @@
 //! o_mj     = clamp((max(|u_j(c_m)| / |u_j(c_j)|, |u_m(c_j)| / |u_m(c_m)|) - 0.3) / 0.7, 0, 1)     o_mm = 1
 //! E_m      = sum over j of o_mj n_j (T_j / T_m)^p               all energy near the contact, in hits of m's depth
 //! strength = n_m / E_m * E_m^(1/p)
-//! wide     = clamp(sqrt(E_m^(1/p)), 1, max(1, 0.11 diagonal / radius of the dent))
+//! wide     = clamp(sqrt(E_m^(1/p)), 1, max(1, 0.11 diagonal / radius of the dent)), rounded down to eighths
 //! ```
 //!
 //! Terms of other marks are rounded down to whole units of energy. So `E_m` is a sum of integers: hits can be added and
@@ -87,7 +87,12 @@ pub(crate) fn settle(set: &ExampleSet, mark: &Mark, dent: &mut Dent) {
     let all = u128::from(mark.energy) + dent.nearby.others;
     let deeper = libm::pow(all as f64 / Mark::ONE as f64, 1.0 / EXPONENT);
     dent.strength = (mark.energy as f64 / all as f64 * deeper) as f32;
-    dent.widen(set, (deeper.sqrt() as f32).min(dent.nearby.widest).max(1.0));
+    dent.widen(set, eighths((deeper.sqrt() as f32).min(dent.nearby.widest)).max(1.0));
+}
+
+/// A width rounded down, so that most hits leave the shapes of the dents near them as they are.
+fn eighths(wide: f32) -> f32 {
+    (wide * 8.0).floor() / 8.0
 }
 
 /// Strength of a mark that has no other near it.

@@ -104,7 +104,7 @@ fn followed(
             let range = (first + tile) * TILE..((first + tile + 1) * TILE).min(vertices);
             let of_tile = rows.nodes_of(first + tile);
             let steps = |n: &u32| nodes.steps[*n as usize];
-            if of_tile.iter().all(|n| steps(n) == [0; 4]) {
+            if nodes.steps.is_empty() || of_tile.iter().all(|n| steps(n) == [0; 4]) {
                 let floats = 3 * tile * TILE..3 * (tile * TILE + range.len());
                 to[floats.clone()].copy_from_slice(&whole_base[floats.clone()]);
                 if let Some(base) = whole_normals {

@@ -4,27 +4,30 @@
 //! taken away again, and the sums have the same bits whatever happened before.
 
 use super::view::{NodeSteps, NodeView};
-use crate::base::error::{Error, reserve};
 use crate::basis::FREE;
 use crate::basis::field::NodeField;
 use crate::damage::list::Damage;
 use crate::damage::mark::Mark;
-use glam::{I64Vec3, Vec3};
+use glam::{IVec3, Vec3};
 use std::cmp::Ordering;
 use std::sync::Arc;
 
-/// The displacements of all nodes, as of the last update.
+/// The displacements of all nodes, as of the last update. Bodies that were never dented take no memory for them.
 #[derive(Debug)]
 pub(crate) struct NodeState {
+    /// The number of nodes.
+    count: usize,
     /// What the sums hold, sorted by mark.
     shown: Vec<Shown>,
     /// In units.
-    sums: Vec<I64Vec3>,
+    sums: Vec<IVec3>,
     /// Of sums, m; a power of two.
     unit: f32,
     steps: Vec<NodeSteps>,
     /// m; a power of two.
     step: f32,
+    /// The most that a dent contributes along an axis, in units, so that sums do not overflow.
+    longest: f64,
     /// The depth limit of the last update, and the largest of any, m.
     limit: f32,
     most: f32,
@@ -42,20 +45,21 @@ struct Shown {
 }
 
 impl NodeState {
-    /// As many nodes, none of them displaced, of a set with this depth limit, m.
-    ///
-    /// # Errors
-    /// [`Error::OutOfMemory`].
-    pub(crate) fn new(nodes: usize, own_limit: f32) -> Result<Self, Error> {
-        let (mut sums, mut steps) = (reserve(nodes, "nodes")?, reserve(nodes, "nodes")?);
-        let mut is_touched = reserve(nodes, "nodes")?;
-        sums.resize(nodes, I64Vec3::ZERO);
-        steps.resize(nodes, [0; 4]);
-        is_touched.resize(nodes, false);
-        let touched = reserve(nodes, "nodes")?;
-        let unit = power(own_limit.clamp(LEAST, MOST_METRES)) * UNIT;
-        let most = MOST_LIMITS * own_limit;
-        Ok(Self { shown: Vec::new(), sums, unit, steps, step: 0.0, limit: 0.0, most, touched, is_touched })
+    /// As many nodes, none of them displaced, of a set with this depth limit (m), for at most so many dents.
+    pub(crate) fn new(count: usize, own_limit: f32, dents: u32) -> Self {
+        Self {
+            count,
+            shown: Vec::new(),
+            sums: Vec::new(),
+            unit: power(own_limit.clamp(LEAST, MOST_METRES)) * UNIT,
+            steps: Vec::new(),
+            step: 0.0,
+            limit: 0.0,
+            most: MOST_LIMITS * own_limit,
+            longest: f64::from(i32::MAX / dents.max(1) as i32),
+            touched: Vec::new(),
+            is_touched: Vec::new(),
+        }
     }
 
     pub(crate) fn view(&self) -> NodeView<'_> {
@@ -66,6 +70,14 @@ impl NodeState {
     pub(crate) fn show(&mut self, damage: &Damage, limit: f32) -> &[u32] {
         let limit = limit.min(self.most);
         self.touched.clear();
+        if self.steps.is_empty() {
+            if damage.dents().is_empty() {
+                return &[];
+            }
+            self.sums.resize(self.count, IVec3::ZERO);
+            self.steps.resize(self.count, [0; 4]);
+            self.is_touched.resize(self.count, false);
+        }
         let everything = self.limit != limit;
         if everything {
             self.touched.extend(0..self.sums.len() as u32);
@@ -109,14 +121,13 @@ impl NodeState {
     }
 
     /// Adds what a dent moves to the sums, or takes it away.
-    fn add(&mut self, field: &NodeField, factor: f32, sign: i64) {
+    fn add(&mut self, field: &NodeField, factor: f32, sign: i32) {
         // The same numbers whenever the same dent comes or goes.
-        let per_unit = f64::from(factor) / f64::from(self.unit);
+        let (per_unit, longest) = (f64::from(factor) / f64::from(self.unit), self.longest);
         for (node, u) in field.moved() {
-            let units =
-                (u.as_dvec3() * per_unit).to_array().map(|x| libm::round(x.clamp(-MOST_UNITS, MOST_UNITS)) as i64);
+            let units = (u.as_dvec3() * per_unit).to_array().map(|x| libm::round(x.clamp(-longest, longest)) as i32);
             let at = node as usize;
-            self.sums[at] += I64Vec3::from_array(units) * sign;
+            self.sums[at] += IVec3::from_array(units) * sign;
             if !self.is_touched[at] {
                 self.is_touched[at] = true;
                 self.touched.push(node);
@@ -127,7 +138,7 @@ impl NodeState {
     /// Memory used, bytes. Fields are those of the damage.
     pub(crate) fn memory_bytes(&self) -> usize {
         self.shown.capacity() * size_of::<Shown>()
-            + self.sums.capacity() * size_of::<I64Vec3>()
+            + self.sums.capacity() * size_of::<IVec3>()
             + self.steps.capacity() * size_of::<NodeSteps>()
             + self.touched.capacity() * size_of::<u32>()
             + self.is_touched.capacity()
@@ -137,9 +148,7 @@ impl NodeState {
 /// Nodes move no further than this many times the set's own depth limit, whatever that of the instance: so that steps stay fine.
 const MOST_LIMITS: f32 = 16.0;
 /// The unit of sums, as a share of the set's depth limit.
-const UNIT: f32 = 1.0 / (1u64 << 32) as f32;
-/// The most that a dent contributes, in units: 256 times the set's depth limit. Millions of dents do not overflow a sum.
-const MOST_UNITS: f64 = (1u64 << 40) as f64;
+const UNIT: f32 = 1.0 / (1u32 << 17) as f32;
 /// Units and their inverses are floats for bodies of all sizes.
 const LEAST: f32 = 1e-20;
 const MOST_METRES: f32 = 1e20;

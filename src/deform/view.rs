@@ -33,6 +33,7 @@ pub(crate) type NodeSteps = [i16; 4];
 /// Displacements of nodes.
 #[derive(Clone, Copy)]
 pub(crate) struct NodeView<'a> {
+    /// Empty if none was ever displaced.
     pub steps: &'a [NodeSteps],
     /// m.
     pub step: f32,

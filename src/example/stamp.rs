@@ -170,26 +170,24 @@ impl Stamp {
 
     /// Displacement at `p`, m. Both are in the contact frame. Zero outside the grid.
     pub fn displacement(&self, p: Vec3) -> Vec3 {
+        self.reader(1.0).at(p).unwrap_or(Vec3::ZERO)
+    }
+
+    /// What reads the stamp, stretched along the surface, at many points.
+    pub(crate) fn reader(&self, stretch: f32) -> Reader<'_> {
         let (grid, steps) = (&self.grid, &self.steps);
-        let g = unrolled(p) * (1.0 / grid.cell) - grid.origin / grid.cell;
-        let top = (grid.dims - UVec2::ONE).as_vec2();
-        // Also for NaN.
-        if !(g.cmpge(Vec2::ZERO).all() && g.cmple(top).all()) {
-            return Vec3::ZERO;
+        Reader {
+            nodes: &self.nodes,
+            row: grid.dims.x as usize,
+            per_cell: 1.0 / (grid.cell * stretch),
+            origin: grid.origin / grid.cell,
+            top: (grid.dims - UVec2::ONE).as_vec2(),
+            last: (grid.dims - UVec2::splat(2)).as_vec2(),
+            stretch_square: stretch * stretch,
+            height: steps.height / WEIGHTS,
+            fade: 2.0 / self.fade,
+            displacement: steps.displacement / WEIGHTS,
         }
-        let base = g.as_uvec2().min(grid.dims - UVec2::splat(2));
-        let t = g - base.as_vec2();
-        let (x, y, both) = ((t.x * WEIGHTS) as i32, (t.y * WEIGHTS) as i32, (t.x * t.y * WEIGHTS) as i32);
-        let weights = [(WEIGHTS as i32 - x - y + both).max(0), x - both, y - both, both];
-        let row = grid.dims.x as usize;
-        let first = base.x as usize + base.y as usize * row;
-        let mut sums = [0i32; 4];
-        for (at, w) in [first, first + 1, first + row, first + row + 1].into_iter().zip(weights) {
-            sums.iter_mut().zip(self.nodes[at]).for_each(|(s, n)| *s += w * i32::from(n));
-        }
-        let [x, y, z, h] = sums.map(|s| s as f32 / WEIGHTS);
-        let keep = (2.0 - (p.z - h * steps.height).abs() * (2.0 / self.fade)).clamp(0.0, 1.0);
-        Vec3::new(x, y, z) * steps.displacement * keep
     }
 
     /// Number of nodes along x and y of the unrolled surface.
@@ -235,6 +233,52 @@ impl Stamp {
 
     pub(crate) fn bytes(&self) -> usize {
         self.nodes.bytes()
+    }
+}
+
+/// A stamp prepared to be read at many points.
+#[derive(Clone, Copy)]
+pub(crate) struct Reader<'a> {
+    nodes: &'a [Node],
+    row: usize,
+    /// From the unrolled surface to the grid.
+    per_cell: Vec2,
+    origin: Vec2,
+    /// The last node, and the last but one.
+    top: Vec2,
+    last: Vec2,
+    stretch_square: f32,
+    /// From weighted sums to heights and displacements, m.
+    height: f32,
+    displacement: Vec3,
+    /// 2 divided by the fade, 1/m.
+    fade: f32,
+}
+
+impl Reader<'_> {
+    /// Displacement at `p`, m. Both are in the contact frame. `None` outside the grid.
+    #[inline(always)]
+    pub(crate) fn at(&self, p: Vec3) -> Option<Vec3> {
+        let lift = lift(p.z, (p.x * p.x + p.y * p.y) / self.stretch_square);
+        let g = Vec2::new(p.x, p.y) * lift * self.per_cell - self.origin;
+        // Also for NaN.
+        if !(g.cmpge(Vec2::ZERO).all() && g.cmple(self.top).all()) {
+            return None;
+        }
+        let base = g.min(self.last).floor();
+        let t = (g - base) * WEIGHTS;
+        let (x, y, both) = (t.x as i32, t.y as i32, (t.x * t.y * (1.0 / WEIGHTS)) as i32);
+        let weights = [(WEIGHTS as i32 - x - y + both).max(0), x - both, y - both, both];
+        let first = base.x as usize + base.y as usize * self.row;
+        let near = self.nodes.get(first..first + 2)?;
+        let far = self.nodes.get(first + self.row..first + self.row + 2)?;
+        let mut sums = [0i32; 4];
+        for (node, w) in near.iter().chain(far).zip(weights) {
+            sums.iter_mut().zip(node).for_each(|(s, n)| *s += w * i32::from(*n));
+        }
+        let [x, y, z, h] = sums.map(|s| s as f32);
+        let keep = (2.0 - (p.z - h * self.height).abs() * self.fade).clamp(0.0, 1.0);
+        Some(Vec3::new(x, y, z) * self.displacement * keep)
     }
 }
 

@@ -107,6 +107,9 @@ impl FrameWork {
     /// Adds a target of an instance whose vertices follow nodes: the displacements of all nodes. Returns a box that holds its vertices.
     pub(super) fn add_nodes(&mut self, shown: Shown<'_>, nodes: &NodeView<'_>) -> Aabb {
         let begin = self.parts.len();
+        if nodes.steps.is_empty() {
+            self.parts.resize(begin + shown.view.set.nodes().lod.vertex_count().div_ceil(2), [0; 4]);
+        }
         for pair in nodes.steps.chunks(2) {
             let node = |n: &NodeSteps| n.map(|x| u32::from(x as u16));
             let [a, b] = [node(&pair[0]), pair.get(1).map_or([0; 4], node)];

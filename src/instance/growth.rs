@@ -6,9 +6,6 @@ use crate::damage::list::{Damage, Shown};
 use crate::damage::mark::Mark;
 use crate::example::set::ExampleSet;
 
-/// The most dents that change at a time. Beyond it, those that began first are complete at once.
-const MOST: usize = 256;
-
 /// What is shown of an instance's dents while some of them grow.
 #[derive(Debug, Default)]
 pub(crate) struct Growth {
@@ -33,6 +30,9 @@ struct Growing {
 }
 
 impl Growth {
+    /// The most dents that change at a time. Beyond it, those that began first are complete at once.
+    pub(crate) const MAX: usize = 256;
+
     pub(crate) fn new(lasts: f32) -> Self {
         Growth { lasts: lasts.into(), ..Growth::default() }
     }
@@ -59,7 +59,7 @@ impl Growth {
                 _ => {}
             }
         });
-        while self.growing.len() > MOST {
+        while self.growing.len() > Self::MAX {
             let first = (0..self.growing.len()).reduce(|a, b| if self.began(b) < self.began(a) { b } else { a });
             first.map(|at| self.growing.remove(at));
         }

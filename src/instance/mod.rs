@@ -80,6 +80,13 @@ enum ShapeState {
     Classic(ClassicState),
 }
 
+/// The nodes of an undamaged instance.
+fn new_nodes(set: &ExampleSet, options: &InstanceOptions) -> NodeState {
+    // Marks, those of open contacts, and dents that go back.
+    let dents = options.capacity + (Contacts::MAX + Growth::MAX) as u32;
+    NodeState::new(set.nodes().lod.vertex_count(), set.depth_limit(), dents)
+}
+
 /// How many times as long as errors that are not seen the edges of a level of detail may be. Measured in the lab's scene (docs/lab, "A
 /// scene"): there, for up to two pixels, the dents of 99 in 100 pixels are wrong by less than a fifth of that.
 const EDGES: f32 = 16.0;
@@ -110,7 +117,7 @@ impl Instance {
             landing: None,
         };
         let shape = match options.rule {
-            Rule::Marks => ShapeState::Nodes(NodeState::new(set.nodes().lod.vertex_count(), set.depth_limit())?),
+            Rule::Marks => ShapeState::Nodes(new_nodes(&set, &options)),
             Rule::MostDisplaced | Rule::Blend(_) => ShapeState::Classic(ClassicState::new(&set)?),
         };
         let blocks = set.lods().map(|s| vec![0; s.blocks()]).collect();

@@ -151,7 +151,7 @@ impl Instance {
             self.only_marks("measure of another mesh than 0")?;
         }
         // Where dents grow, what is shown is not the damage.
-        let complete = if self.growth.is_growing() { Some(self.nodes_of_damage()?) } else { None };
+        let complete = self.growth.is_growing().then(|| self.nodes_of_damage());
         let mut view = self.view();
         if let Some(nodes) = &complete {
             view.shape = Shape::Nodes(nodes.view());
@@ -185,10 +185,10 @@ impl Instance {
     }
 
     /// The nodes with all dents as their marks are.
-    fn nodes_of_damage(&self) -> Result<NodeState, Error> {
-        let mut nodes = NodeState::new(self.set.nodes().lod.vertex_count(), self.set.depth_limit())?;
+    fn nodes_of_damage(&self) -> NodeState {
+        let mut nodes = super::new_nodes(&self.set, &self.options);
         nodes.show(&self.damage, self.limit);
-        Ok(nodes)
+        nodes
     }
 
     /// Checks the number of a part and finds its vertices.

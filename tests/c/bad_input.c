@@ -174,7 +174,6 @@ static void meshes(void) {
     // Options.
     BAD_SET(INVALID_ARGUMENT, "def.options.depth_limit is -1", def.options.depth_limit = -1);
     BAD_SET(INVALID_ARGUMENT, "def.options.vertex_mass is -2", def.options.vertex_mass = -2);
-    BAD_SET(INVALID_ARGUMENT, "def.options.seams is 4294967295", SET_ENUM(def.options.seams, UINT32_MAX));
     static float masses[VERTICES];
     for (int v = 0; v < VERTICES; ++v) masses[v] = 1;
     BAD_SET(BUFFER_TOO_SMALL, "vertex_masses", def.options.vertex_masses = input_of(masses, sizeof masses - 4, 4));

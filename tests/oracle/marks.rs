@@ -89,7 +89,8 @@ fn upon_each_other(model: &Model, marks: &mut [Mark]) {
         }
         let deeper = energy.powf(1.0 / POWER);
         let room = 0.11 * model.diagonal / radius(model, &marks[m]);
-        together.push((marks[m].hits / energy * deeper, deeper.sqrt().min(room).max(1.0)));
+        let wide = (deeper.sqrt().min(room) * 8.0).floor() / 8.0;
+        together.push((marks[m].hits / energy * deeper, wide.max(1.0)));
     }
     for (mark, (strength, wide)) in marks.iter_mut().zip(together) {
         (mark.strength, mark.wide) = (strength, wide);

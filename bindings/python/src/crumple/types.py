@@ -21,8 +21,6 @@ from ._native import (
     CrumpleRule as Rule,
 )
 from ._native import (
-)
-from ._native import (
     CrumpleSelection as Selection,
 )
 from ._native import (

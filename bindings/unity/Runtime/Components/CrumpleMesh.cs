@@ -39,9 +39,6 @@ namespace Crumple
         [Tooltip("No vertex moves further than this, m. 0: the set's limit.")]
         [Min(0)]
         [SerializeField] private float depthLimit;
-        [Tooltip("Vertices may be wrong by this, m, so that they cost less.")]
-        [Min(0)]
-        [SerializeField] private float tolerance;
 
         [Header("Collisions")]
         [Tooltip("Take hits from this object's collisions.")]
@@ -130,7 +127,6 @@ namespace Crumple
                 def.DepthLimit = depthLimit;
                 def.Compliance = compliance;
                 def.YieldImpulse = yieldImpulse;
-                def.Tolerance = tolerance;
                 CrumpleContext context = CrumpleWorld.Context;
                 using (CrumpleWorld.Enter())
                 {
