@@ -156,7 +156,7 @@ const WORKLOADS: &[Workload] = &[
     },
     Workload {
         name: "hit_hood",
-        about: "one more hit on the demo's hood to positions and normals: predicted, with vertices that follow nodes, and from marks",
+        about: "one more hit on the demo's hood to positions and normals: predicted, and by the nearest examples",
         run: nodes::hits_upon_hits,
     },
     Workload {
@@ -166,12 +166,12 @@ const WORKLOADS: &[Workload] = &[
     },
     Workload {
         name: "expand_cache",
-        about: "positions of all vertices of the demo's hood, which follow nodes and have nine marks",
+        about: "positions of all vertices of the demo's hood with nine marks",
         run: nodes::every_vertex,
     },
     Workload {
         name: "bytes_vertex",
-        about: "memory of the demo's hood with vertices that follow nodes, 12 examples, normals, mesh included",
+        about: "memory of the demo's hood, learned, 12 examples, normals, mesh included",
         run: nodes::memory,
     },
     Workload { name: "normals", about: "positions and normals against positions alone", run: normals::run },

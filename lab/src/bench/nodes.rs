@@ -1,10 +1,9 @@
-//! The demo's hood with vertices that follow nodes, and with a set that has learned to predict blows: one more hit, a prediction, all
-//! vertices, and memory.
+//! The demo's hood, and the same with a set that has learned to predict blows: one more hit, a prediction, all vertices, and memory.
 
 use std::sync::Arc;
 
 use anyhow::{Context, Result, ensure};
-use crumple::{BasisOptions, Blow, ExampleSet, Hit, Instance, InstanceOptions, Mark, Placement, Striker, reorder};
+use crumple::{Blow, ExampleSet, Hit, Instance, InstanceOptions, Mark, Placement, Striker, reorder};
 
 use super::Bench;
 use super::deformed::Deformed;
@@ -14,26 +13,23 @@ use super::reference::{Classic, field};
 use super::report::{Aim, Row, Sense};
 use super::width::baked;
 
-/// How far a vertex may be off, m.
-const TOLERANCE: f32 = 0.5e-3;
 /// Which of 64 hits is timed.
 const TIMED: [usize; 3] = [1, 9, 64];
 
-/// How a set shows its damage.
+/// How a set answers a hit.
 #[derive(Clone, Copy, PartialEq)]
 enum Way {
-    Marks,
-    Nodes,
+    Nearest,
     Learned,
 }
 
-/// One more hit, told as a blow and predicted from all examples. Names end in `nodes` or `marks` for a hit told as a displacement that
-/// mixes the nearest examples, where vertices follow nodes or are computed from marks.
+/// One more hit, told as a blow and predicted from all examples. Names end in `nearest` for a hit told as a displacement that mixes the
+/// nearest examples.
 pub fn hits_upon_hits(bench: &Bench) -> Result<()> {
-    let sets = [set(bench, Way::Learned)?, set(bench, Way::Nodes)?, set(bench, Way::Marks)?];
+    let sets = [set(bench, Way::Learned)?, set(bench, Way::Nearest)?];
     for count in TIMED {
         let name = format!("hit_hood_{count}");
-        if ["", "_nodes", "_marks"].iter().any(|end| bench.wanted(&format!("{name}{end}"))) {
+        if ["", "_nearest"].iter().any(|end| bench.wanted(&format!("{name}{end}"))) {
             one_more(bench, &sets, count)?;
         }
     }
@@ -58,8 +54,8 @@ pub fn predictions(bench: &Bench) -> Result<()> {
 /// Memory of the set.
 pub fn memory(bench: &Bench) -> Result<()> {
     let bytes = |set: &ExampleSet| set.memory_bytes() as f64 / set.vertex_count() as f64;
-    let (marks, nodes) = (set(bench, Way::Marks)?, set(bench, Way::Learned)?);
-    bench.add(Row::new("bytes_vertex", bytes(&nodes), "B/vertex").beside("from marks", bytes(&marks), Sense::Cost));
+    let (learned, nearest) = (set(bench, Way::Learned)?, set(bench, Way::Nearest)?);
+    bench.add(Row::new("bytes_vertex", bytes(&learned), "B/vertex").beside("not learned", bytes(&nearest), Sense::Cost));
     Ok(())
 }
 
@@ -68,9 +64,6 @@ fn set(bench: &Bench, way: Way) -> Result<Arc<ExampleSet>> {
     reorder(&mut hood.mesh, &mut hood.examples);
     hood.examples.iter_mut().for_each(|e| e.placement = Placement::Carried);
     let mut set = ExampleSet::build(hood.mesh, hood.examples, baked(), bench.tasks(2))?;
-    if way != Way::Marks {
-        set.learn_basis(&BasisOptions { rounds: 2, ..BasisOptions::new(TOLERANCE) }, bench.tasks(2))?;
-    }
     if way == Way::Learned {
         ensure!(set.learn_rule(bench.tasks(2))?.blows, "the hood's rule is not used");
     }
@@ -78,38 +71,36 @@ fn set(bench: &Bench, way: Way) -> Result<Arc<ExampleSet>> {
 }
 
 /// From the hit to positions and normals on one thread, against the classic kernel's positions of the example that moves most.
-fn one_more(bench: &Bench, [learned, nodes, marks]: &[Arc<ExampleSet>; 3], count: usize) -> Result<()> {
+fn one_more(bench: &Bench, [learned, nearest]: &[Arc<ExampleSet>; 2], count: usize) -> Result<()> {
     let options = InstanceOptions::default();
-    let hits = hits(marks, count);
-    let (before, last) = (made(marks, options, &hits[..count - 1])?, hits[count - 1]);
+    let hits = hits(nearest, count);
+    let (before, last) = (made(nearest, options, &hits[..count - 1])?, hits[count - 1]);
     let deformed = |set| Deformed::new(set, options, &[], true, bench.tasks(1));
-    let (mut direct, mut ours, mut predicting) = (deformed(marks)?, deformed(nodes)?, deformed(learned)?);
+    let (mut mixing, mut predicting) = (deformed(nearest)?, deformed(learned)?);
     // Another blow each time, because a set remembers its latest predictions.
     let blows = blows(learned, 997);
     let told = made(learned, options, &blows[..count - 1])?;
     let mut next = blows.iter().cycle();
-    let base = marks.mesh().positions();
-    let fields = marks.examples().iter().map(|e| field(marks, e));
+    let base = nearest.mesh().positions();
+    let fields = nearest.examples().iter().map(|e| field(nearest, e));
     let most = fields.max_by_key(Vec::len).unwrap_or_default();
     let mut classic = Classic::new(base, &[most], bench.tasks(1));
     let mut contenders = [
         Contender::new(|| predicting.hit(&told, &[next.next().copied().unwrap_or(last)])),
-        Contender::new(|| ours.hit(&before, &[last])),
-        Contender::new(|| direct.hit(&before, &[last])),
+        Contender::new(|| mixing.hit(&before, &[last])),
         Contender::new(|| classic.run()),
     ];
     let times = interleaved(&bench.plan, &mut contenders);
     drop(contenders);
-    let row = |name: String, ours| Row::time(name, ours, "µs").beside_time("classic", &times[3], Sense::Cost);
+    let row = |name: String, ours| Row::time(name, ours, "µs").beside_time("classic", &times[2], Sense::Cost);
     bench.add(row(format!("hit_hood_{count}"), &times[0]).aim(Aim::AtMost(1.6)));
-    bench.add(row(format!("hit_hood_{count}_nodes"), &times[1]).hash(ours.hash()));
-    bench.add(row(format!("hit_hood_{count}_marks"), &times[2]).hash(direct.hash()));
+    bench.add(row(format!("hit_hood_{count}_nearest"), &times[1]).hash(mixing.hash()));
     Ok(())
 }
 
 /// Positions of all vertices of a body with nine marks, against the classic kernel with one example of all vertices.
 pub fn every_vertex(bench: &Bench) -> Result<()> {
-    let (options, nodes) = (InstanceOptions::default(), &set(bench, Way::Nodes)?);
+    let (options, nodes) = (InstanceOptions::default(), &set(bench, Way::Nearest)?);
     let marks = made(nodes, options, &hits(nodes, 9))?;
     let mut ours = Deformed::new(nodes, options, &marks, false, bench.tasks(1))?;
     ours.run();

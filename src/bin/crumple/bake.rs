@@ -19,6 +19,8 @@ use std::{fmt::Write, path::PathBuf, time::Instant};
 
 /// Bytes per moved vertex in the plain sparse form: an index and three floats.
 const SPARSE: usize = 16;
+/// With fewer examples a set does not compare the rule with the nearest ones.
+const ENOUGH: usize = 6;
 
 #[derive(Args)]
 pub struct Arguments {
@@ -40,8 +42,8 @@ pub struct Arguments {
     /// No vertex moves further than this [default: the depth of the deepest example]
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     depth_limit: Option<f32>,
-    /// Let vertices follow nodes, a few of them, and be off by about this at most, and learn to predict hits from all examples at
-    /// once. Hits and frames cost less, the more so the more examples and marks there are. Give --reorder too
+    /// How far a vertex may be from where its dents would put it, instead of about a hundredth of the deepest example: vertices
+    /// follow a few of them, the nodes. Less takes more memory, and hits cost more. Give --reorder too
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     basis: Option<f32>,
     /// File with closed solids that dents must not enter, such as a roll cage: every mesh of a glTF or GLB file, where its
@@ -126,10 +128,8 @@ pub fn run(arguments: &Arguments) -> Result<String> {
         set.add_lod(mesh, &pool).with_context(|| shown.to_string())?;
     }
     let nodes = arguments.basis.map(|tolerance| set.learn_basis(&BasisOptions::new(tolerance), &pool)).transpose()?;
-    let rule = match &nodes {
-        Some(_) if set.mesh().normals().is_some() => Some(set.learn_rule(&pool)?),
-        _ => None,
-    };
+    let can_learn = set.mesh().normals().is_some() && set.examples().len() >= ENOUGH;
+    let rule = can_learn.then(|| set.learn_rule(&pool)).transpose()?;
     let built = start.elapsed();
     bar.inc(1);
     bar.set_message("writing");
