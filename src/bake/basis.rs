@@ -30,7 +30,7 @@ const SHALLOW: f32 = 0.15;
 /// The tolerance unless one is given, as a share of the deepest example.
 const TOLERANCE: f32 = 0.01;
 /// The most times that nodes are added then.
-const ROUNDS: u32 = 2;
+const ROUNDS: u32 = 3;
 
 /// What a set has learned of hits.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,7 +46,7 @@ pub struct RuleReport {
 
 impl ExampleSet {
     /// Learns again how the vertices follow *nodes*, a few of them, whose displacements alone are computed from hits
-    /// (docs/model.md, "Nodes"). [`ExampleSet::build`] has done so with a tolerance of a hundredth of the deepest example, adding nodes twice at most. Vertices are
+    /// (docs/model.md, "Nodes"). [`ExampleSet::build`] has done so with a tolerance of a hundredth of the deepest example, adding nodes three times at most. Vertices are
     /// wrong by about the tolerance; the report says how much at worst. A rule is forgotten: [learn](ExampleSet::learn_rule) it afterwards.
     ///
     /// The basis is learned from the set's examples and from hits all over the body. Vertices that are neighbours in space should be

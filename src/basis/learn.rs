@@ -46,7 +46,7 @@ pub struct BasisReport {
 /// Vertices for each of the first nodes.
 const VERTICES_A_NODE: usize = 24;
 /// The least number of nodes, if there are as many positions.
-const LEAST_NODES: usize = 1024;
+const LEAST_NODES: usize = 512;
 
 impl Basis {
     /// Learns a basis from displacement fields of all vertices (m): examples, and copies of them elsewhere. Fields that are not

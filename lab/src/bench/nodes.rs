@@ -55,7 +55,11 @@ pub fn predictions(bench: &Bench) -> Result<()> {
 pub fn memory(bench: &Bench) -> Result<()> {
     let bytes = |set: &ExampleSet| set.memory_bytes() as f64 / set.vertex_count() as f64;
     let (learned, nearest) = (set(bench, Way::Learned)?, set(bench, Way::Nearest)?);
-    bench.add(Row::new("bytes_vertex", bytes(&learned), "B/vertex").beside("not learned", bytes(&nearest), Sense::Cost));
+    bench.add(Row::new("bytes_vertex", bytes(&learned), "B/vertex").beside(
+        "not learned",
+        bytes(&nearest),
+        Sense::Cost,
+    ));
     Ok(())
 }
 
