@@ -14,16 +14,10 @@ pub(crate) struct Changes {
 }
 
 impl Changes {
-    /// Marks the blocks with vertices that follow these nodes, at a new epoch. Without nodes nothing has changed.
-    pub(crate) fn nodes(&mut self, set: &ExampleSet, nodes: &[u32]) {
-        if nodes.is_empty() {
-            return;
-        }
-        self.epoch += 1;
+    /// Marks the blocks with vertices that follow a node, at the last epoch.
+    pub(crate) fn node(&mut self, set: &ExampleSet, node: u32) {
         for (mesh, blocks) in set.nodes().followers().iter().zip(&mut self.blocks) {
-            for node in nodes {
-                mesh.of(*node).iter().for_each(|b| blocks[*b as usize] = self.epoch);
-            }
+            mesh.of(node).iter().for_each(|b| blocks[*b as usize] = self.epoch);
         }
     }
 

@@ -31,8 +31,7 @@ pub(crate) struct NodeState {
     /// The depth limit of the last update, and the largest of any, m.
     limit: f32,
     most: f32,
-    /// Nodes whose sums an update changes, and whether each node is among them.
-    touched: Vec<u32>,
+    /// Whether an update changes the sum of each node.
     is_touched: Vec<bool>,
 }
 
@@ -57,7 +56,6 @@ impl NodeState {
             limit: 0.0,
             most: MOST_LIMITS * own_limit,
             longest: f64::from(i32::MAX / dents.max(1) as i32),
-            touched: Vec::new(),
             is_touched: Vec::new(),
         }
     }
@@ -66,13 +64,12 @@ impl NodeState {
         NodeView { steps: &self.steps, step: self.step }
     }
 
-    /// Shows the damage, with nodes that approach `limit` (m). Returns the nodes whose steps changed.
-    pub(crate) fn show(&mut self, damage: &Damage, limit: f32) -> &[u32] {
+    /// Shows the damage, with nodes that approach `limit` (m). Calls `changed` with the nodes whose steps changed.
+    pub(crate) fn show(&mut self, damage: &Damage, limit: f32, mut changed: impl FnMut(u32)) {
         let limit = limit.min(self.most);
-        self.touched.clear();
         if self.steps.is_empty() {
             if damage.dents().is_empty() {
-                return &[];
+                return;
             }
             self.sums.resize(self.count, IVec3::ZERO);
             self.steps.resize(self.count, [0; 4]);
@@ -80,7 +77,6 @@ impl NodeState {
         }
         let everything = self.limit != limit;
         if everything {
-            self.touched.extend(0..self.sums.len() as u32);
             self.is_touched.fill(true);
             (self.limit, self.step) = (limit, step(limit));
         }
@@ -108,16 +104,16 @@ impl NodeState {
             self.add(&gone.field, gone.factor, -1);
         }
         let (limit, step, unit) = (self.limit, self.step, self.unit);
-        let Self { touched, is_touched, sums, steps, .. } = self;
-        touched.retain(|node| {
-            let at = *node as usize;
-            is_touched[at] = false;
-            let moved = sums[at].as_vec3() * unit;
+        let nodes = self.is_touched.iter_mut().zip(&self.sums).zip(&mut self.steps);
+        for (node, ((is_touched, sum), steps)) in (0..).zip(nodes).filter(|(_, ((is_touched, _), _))| **is_touched) {
+            *is_touched = false;
+            let moved = sum.as_vec3() * unit;
             let [x, y, z] = (soft(moved, limit) / step).to_array().map(|x| libm::roundf(x.clamp(-MOST, MOST)) as i16);
-            let before = std::mem::replace(&mut steps[at], [x, y, z, 0]);
-            before != steps[at] || everything && before != [0; 4]
-        });
-        touched
+            let before = std::mem::replace(steps, [x, y, z, 0]);
+            if before != *steps || everything && before != [0; 4] {
+                changed(node);
+            }
+        }
     }
 
     /// Adds what a dent moves to the sums, or takes it away.
@@ -128,10 +124,7 @@ impl NodeState {
             let units = (u.as_dvec3() * per_unit).to_array().map(|x| libm::round(x.clamp(-longest, longest)) as i32);
             let at = node as usize;
             self.sums[at] += IVec3::from_array(units) * sign;
-            if !self.is_touched[at] {
-                self.is_touched[at] = true;
-                self.touched.push(node);
-            }
+            self.is_touched[at] = true;
         }
     }
 
@@ -140,7 +133,6 @@ impl NodeState {
         self.shown.capacity() * size_of::<Shown>()
             + self.sums.capacity() * size_of::<IVec3>()
             + self.steps.capacity() * size_of::<NodeSteps>()
-            + self.touched.capacity() * size_of::<u32>()
             + self.is_touched.capacity()
     }
 }

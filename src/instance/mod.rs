@@ -249,8 +249,9 @@ impl Instance {
     /// Moves the nodes to where the damage puts them now, and marks the blocks that follow them.
     fn show(&mut self) {
         if let ShapeState::Nodes(nodes) = &mut self.shape {
-            let moved = nodes.show(self.growth.shown(&self.damage), self.limit);
-            self.changes.nodes(&self.set, moved);
+            let (changes, set) = (&mut self.changes, &self.set);
+            changes.epoch += 1;
+            nodes.show(self.growth.shown(&self.damage), self.limit, |node| changes.node(set, node));
         }
     }
 

@@ -187,7 +187,7 @@ impl Instance {
     /// The nodes with all dents as their marks are.
     fn nodes_of_damage(&self) -> NodeState {
         let mut nodes = super::new_nodes(&self.set, &self.options);
-        nodes.show(&self.damage, self.limit);
+        nodes.show(&self.damage, self.limit, |_| ());
         nodes
     }
 

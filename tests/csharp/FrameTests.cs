@@ -64,7 +64,8 @@ static class FrameTests
             allocated = GC.GetAllocatedBytesForCurrentThread() - allocated;
             Check.Same(0L, allocated, "bytes allocated in " + (Frames - Warm) + " frames");
             Check.Same(collections, GC.CollectionCount(0), "collections");
-            Check.Same(native, body.GetInfo().MemoryBytes, "memory of the instance");
+            // Dents take as much as they have nodes.
+            Check.That(body.GetInfo().MemoryBytes < native + native / 2, "memory of the instance");
             Check.That(written > 1000000, written + " vertices were written");
             // A leak of 100 bytes a frame would be more than this.
             if (resident != 0) Check.That(Resident() - resident < 900000, "resident memory grew from " + resident + " to " + Resident());
