@@ -261,6 +261,14 @@ fn quick_what_a_solver_pushes_apart_is_no_blow() {
     for factor in [1.0, 1.04, 1.2, 1.25] {
         assert!(same(got(factor), expected, 1e-3), "{factor} times what stops it: {} m", got(factor));
     }
+    // Nor is what it pushes aside at points that do not approach.
+    let side = |body: &Instance| {
+        let mut side = point(body, [0.02, 0.0], 0.1, Some(30.0));
+        (side.normal, side.velocity) = ([1.0, 0.0, 0.0], Some([0.0, 0.0, -5.0]));
+        vec![point(body, [0.0; 2], 5.0, Some(1.2 * 40.0)), side]
+    };
+    let aside = after(&set, ContactOptions::default(), &[&side]);
+    assert!(same(aside, expected, 1e-3), "{aside} m instead of {expected} m");
     let factors = [1.25, 1.3, 1.5, 1.7, 1.75, 2.0];
     assert!(factors.map(got).is_sorted_by(|a, b| a < b), "{:?}", factors.map(got));
     assert!(same(got(2.0), told(&set, 5.0, 2.0 * MASS), 1e-3));
@@ -299,6 +307,32 @@ fn quick_the_steps_of_a_touch_bring_no_more_than_the_approach() {
     let again = after(&set, Default::default(), &[&first, &nothing, &nothing, &nothing, &nothing, &first]);
     let once = after(&set, Default::default(), &[&first]);
     assert!(again > 1.2 * once, "{again} m after {once} m");
+}
+
+/// Bullet's continuous collision detection stops a striker in two steps. At 30 Hz the second may be as slow as gravity makes a body that
+/// rests.
+#[test]
+fn quick_the_rest_of_a_blow_counts_however_slow_it_is() {
+    let set = set(1.0);
+    for hz in [30.0, 60.0, 240.0] {
+        let run = |steps: &[(f32, f32)], weight: f32| {
+            let (mut body, contacts) = (new(&set), default());
+            let rest = MASS * weight / hz;
+            for (speed, impulse) in
+                steps.iter().copied().chain([(weight / hz, rest); 60].into_iter().filter(|_| rest > 0.0))
+            {
+                contacts.report(&[point(&body, [0.0; 2], speed, Some(impulse))]).unwrap();
+                contacts.step(1.0 / hz).unwrap();
+            }
+            depth(&mut body)
+        };
+        let expected = told(&set, 2.0, MASS);
+        let got = run(&[(2.0, 1.5 * MASS), (0.5, 0.5 * MASS)], 0.0);
+        assert!(same(got, expected, 1e-3), "{hz} Hz: {got} m instead of {expected} m");
+        // The weight of a body that lies there adds nothing to what stopped it.
+        let rests = run(&[(2.0, 2.0 * MASS)], 9.81);
+        assert!(same(rests, expected, 1e-3), "{hz} Hz: {rests} m instead of {expected} m");
+    }
 }
 
 #[test]

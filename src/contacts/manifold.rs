@@ -61,14 +61,17 @@ const SOLVER: f64 = 1.25;
 /// From this factor on, something else pushes the bodies together, and all of the impulse counts.
 const PUSHED: f64 = 1.75;
 
-/// The share of the impulses that belongs to the blow.
+/// The share of the impulses that belongs to the blow. Points at which the bodies do not approach stop nothing: where a box sank into a
+/// mesh, solvers push its sides, too.
 fn blow_share(points: &[Reported], impulse: impl Fn(&Reported) -> f64) -> f64 {
     let (mut all, mut stops) = (0.0, 0.0);
     for p in points {
         let (Some(mass), Some(speed)) = (p.mass, p.approach()) else { return 1.0 };
-        let j = impulse(p);
-        all += j;
-        stops += j * mass * speed;
+        if speed > 0.0 {
+            let j = impulse(p);
+            all += j;
+            stops += j * mass * speed;
+        }
     }
     // The impulses' mean of what stops the bodies.
     let excess = all * all / stops;

@@ -346,9 +346,15 @@ impl State {
         self.parts.clear();
         let total: f64 = pushes.iter().map(|push| push.impulse).sum();
         let (pair, numbers) = points[0].key();
-        // A touch goes on at less speed than it needs to begin.
-        let least = if self.touches_of((pair, numbers, side)).is_empty() { scale.speed } else { self.resting(scale) };
-        let fast = |push: &Push| push.speed.map_or(total >= scale.impulse, |speed| speed >= least);
+        // A touch goes on at less speed than it needs to begin. Solvers stop bodies in several steps, and the last may be as
+        // slow as a body that rests. The touch's cap keeps the weight out, if the approach is known.
+        let (begins, resting) = (self.touches_of((pair, numbers, side)).is_empty(), self.resting(scale));
+        let least = |push: &Push| match push.approach() {
+            _ if begins => scale.speed,
+            Some(_) => 0.0,
+            None => resting,
+        };
+        let fast = |push: &Push| push.speed.map_or(total >= scale.impulse, |speed| speed >= least(push));
         let mut to_body = None;
         for (point, push) in points.iter().zip(pushes) {
             if push.impulse <= 0.0 {

@@ -240,6 +240,11 @@ struct Scene {
         StandinWorld::Play(*actor, *crumple);
     }
 
+    /// Plays until what touches it no longer counts as what stood there when play began.
+    void settle() const {
+        for (int step = 0; step < 8; ++step) StandinWorld::Frame();
+    }
+
     /// As Unreal tells of a contact: cm, kg cm/s.
     void collide(FVector point, FVector impulse, UPrimitiveComponent* by = nullptr, FVector normal = {}) {
         FHitResult hit;

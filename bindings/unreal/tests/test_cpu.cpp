@@ -91,6 +91,7 @@ static void draws_and_dents(UStaticMesh* mesh, UCrumpleSet* set) {
         FACT(by == scene.crumple);
         depths.push_back(depth);
     });
+    scene.settle();
     // 150 kg cm/s = 1.5 N s, by 0.3 kg, so 5 m/s, on the place 20 cm along x and 10 cm along y of the mesh: the file's (0.2, 0.02, 0.1). The
     // actor is twice as large as its mesh. The impulse and the normal may be those of either body.
     const FMatrix to_world = transform.ToMatrixWithScale();
@@ -164,12 +165,38 @@ static void two_bodies(UStaticMesh* mesh, UCrumpleSet* set) {
     std::vector<float> depths;
     for (Scene* each : {&below, &above})
         each->crumple->OnDented.StandinAdd([&](UCrumpleComponent*, FVector, float depth) { depths.push_back(depth); });
+    below.settle();
     below.collide({0, 0, 0}, {0, 0, -100}, above.target, {0, 0, 1});
     above.collide({0, 0, 0}, {0, 0, 100}, below.target, {0, 0, 1});
     StandinWorld::Frame();
     FACT(depths.size() == 2 && std::fabs(depths[0] - 2) < 0.05f && depths[0] == depths[1]);
     below.actor->Destroy();
     above.actor->Destroy();
+}
+
+/// The lowest of ten, of 10 kg each, bears as much in a step of 1/60 s as if it alone came at 1.6 m/s.
+static void a_stack_that_stands(UStaticMesh* mesh, UCrumpleSet* set) {
+    Scene scene(mesh, set);
+    UPrimitiveComponent* lowest = Scene::ball(10, {});
+    int dents = 0;
+    scene.crumple->OnDented.StandinAdd([&](UCrumpleComponent*, FVector, float) { ++dents; });
+    const auto stands = [&] {
+        scene.collide({0, 0, 0}, {0, 0, 1635}, lowest);
+        StandinWorld::Frame();
+    };
+    for (int step = 0; step < 30; ++step) stands();
+    FACT(dents == 0);
+    // Unreal tells nothing of bodies that sleep.
+    lowest->bStandinAsleep = true;
+    for (int step = 0; step < 60; ++step) StandinWorld::Frame();
+    lowest->bStandinAsleep = false;
+    for (int step = 0; step < 3; ++step) stands();
+    FACT(dents == 0);
+    // Once they separated, the same impulse is that of a blow.
+    for (int step = 0; step < 30; ++step) StandinWorld::Frame();
+    stands();
+    FACT(dents == 1);
+    scene.actor->Destroy();
 }
 
 static void a_mirrored_actor(UStaticMesh* mesh, UCrumpleSet* set) {
@@ -217,6 +244,7 @@ static void gone_in_a_callback(UStaticMesh* mesh, UCrumpleSet* set) {
         ++calls;
         by->DestroyComponent();
     });
+    scene.settle();
     scene.collide({0, 0, 0}, {0, 0, -200}, Scene::ball(0.4f, {}));
     StandinWorld::Frame();
     scene.collide({0, 0, 0}, {0, 0, -200}, Scene::ball(0.4f, {})); // nobody listens any more
@@ -346,6 +374,7 @@ int main(int count, char** arguments) {
         draws_and_dents(mesh, set);
         // Without a device the CPU does it, and nobody is told twice.
         two_bodies(mesh, set);
+        a_stack_that_stands(mesh, set);
         a_mirrored_actor(mesh, set);
         damage(mesh, set);
         gone_in_a_callback(mesh, set);

@@ -23,6 +23,7 @@ static void dents(UStaticMesh* mesh, UCrumpleSet* set) {
     FACT(on_gpu(*one.crumple) && on_gpu(*two.crumple));
 
     // Both are hit in one frame: one recording for both.
+    one.settle();
     const uint64 before = StandinVulkan::Finished;
     one.collide({20, 10, 2}, {0, 0, -150}, Scene::ball(0.3f, {}));
     two.collide({-20, 10, -2}, {0, 0, 120}, Scene::ball(0.3f, {}));

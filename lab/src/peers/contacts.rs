@@ -40,12 +40,13 @@ const LEAST: f64 = 0.001;
 const WITHIN: f64 = 0.03;
 const APART: f64 = 0.05;
 /// What engines reach of them, for `--check`. A solver decides how it spreads a box's impulse over its points, and Bullet's pushes
-/// bodies apart that sank into a mesh.
+/// bodies apart that sank into a mesh. Bullet's continuous collision detection sweeps a ball, also for a box: the first contact is then at
+/// the ball's place, and at a crease with a normal that is not the surface's.
 const FLOORS: [(&str, Shape, f64, f64); 4] = [
     ("rapier", Shape::Ball, 0.05, 0.03),
     ("rapier", Shape::Box, 0.08, 0.05),
     ("bullet", Shape::Ball, 0.09, 0.06),
-    ("bullet", Shape::Box, 0.09, 0.15),
+    ("bullet", Shape::Box, 0.1, 0.07),
 ];
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -46,6 +46,18 @@ private:
 	T* Pointer = nullptr;
 };
 
+template <typename T>
+class TWeakObjectPtr
+{
+public:
+	TWeakObjectPtr(T* In = nullptr) : Pointer(In) {}
+	bool IsValid() const { return ::IsValid(Pointer); }
+	T* operator->() const { return Pointer; }
+
+private:
+	T* Pointer;
+};
+
 // Delegates that Blueprint sees.
 template <typename... ArgTypes>
 class StandinDelegate
@@ -242,6 +254,7 @@ public:
 	void SetCollisionEnabled(ECollisionEnabled::Type) {}
 	void SetNotifyRigidBodyCollision(bool bNotify) { bStandinNotifies = bNotify; }
 	bool IsSimulatingPhysics() const { return StandinMass > 0; }
+	bool IsAnyRigidBodyAwake() const { return IsSimulatingPhysics() && !bStandinAsleep; }
 	float GetMass() const { return StandinMass; }
 	FVector GetPhysicsLinearVelocityAtPoint(FVector) { return StandinVelocity; }
 	virtual FPrimitiveSceneProxy* CreateSceneProxy() { return nullptr; }
@@ -249,7 +262,7 @@ public:
 	virtual int32 GetNumMaterials() const { return 0; }
 	virtual UMaterialInterface* GetMaterial(int32) const { return nullptr; }
 	FPrimitiveSceneProxy* SceneProxy = nullptr;
-	bool bStandinNotifies = false;
+	bool bStandinNotifies = false, bStandinAsleep = false;
 	float StandinMass = 0;
 };
 class UMeshComponent : public UPrimitiveComponent

@@ -6,8 +6,10 @@
 
 #include "Components/StaticMeshComponent.h"
 
-/** A pair that was not told of for longer than this no longer touches, s. */
+/** A pair that is awake and was not told of for longer than this no longer touches, s. */
 static constexpr double Gap = 0.1;
+/** What touches a component so soon after it began to play stood there before, s. */
+static constexpr double Beginning = 0.1;
 
 static CrumpleVec3 ToMetres(const FVector& Vector)
 {
@@ -35,16 +37,37 @@ void FCrumpleContacts::Use(CrumpleContext* InContext)
 	crumple_context_set_contact_options(Context, &Options);
 }
 
-const FCrumpleContacts::FTouch& FCrumpleContacts::Touch(uint64 Pair, const FVector& Velocity)
+void FCrumpleContacts::Add(UCrumpleComponent* Component)
+{
+	Component->Began = Now;
+	Components.Add(Component);
+}
+
+bool FCrumpleContacts::FTouch::IsAsleep() const
+{
+	for (const TWeakObjectPtr<UPrimitiveComponent>& Body : Bodies)
+	{
+		if (!Body.IsValid() || Body->IsAnyRigidBodyAwake())
+		{
+			return false;
+		}
+	}
+	return true;
+}
+
+const FCrumpleContacts::FTouch& FCrumpleContacts::Touch(
+	uint64 Pair, const FVector& Velocity, bool bStood, UPrimitiveComponent* const (&Bodies)[2])
 {
 	FTouch* Known = Touches.FindByPredicate([=](const FTouch& Each) { return Each.Pair == Pair; });
 	if (!Known)
 	{
-		return Touches[Touches.Add(FTouch{Pair, FVector::ZeroVector, Velocity, false, Now})];
+		// The weight of a stack is the impulse of a blow. Only the velocity tells them apart, and here it is that after the step.
+		const FVector Before = bStood ? Velocity : FVector::ZeroVector;
+		return Touches[Touches.Add(FTouch{Pair, Before, Velocity, bStood, Now, {Bodies[0], Bodies[1]}})];
 	}
 	if (Known->Last < Now)
 	{
-		*Known = FTouch{Pair, Known->After, Velocity, true, Now};
+		*Known = FTouch{Pair, Known->After, Velocity, true, Now, {Bodies[0], Bodies[1]}};
 	}
 	return *Known;
 }
@@ -77,7 +100,9 @@ bool FCrumpleContacts::Report(UCrumpleComponent& Component, UPrimitiveComponent*
 	const double Sign = Own < Others ? 1 : -1;
 	const FVector Velocity = VelocityAt(Other, Hit.ImpactPoint) - VelocityAt(Component.Target, Hit.ImpactPoint);
 	Point.pair = static_cast<uint64>(FMath::Min(Own, Others)) << 32 | FMath::Max(Own, Others);
-	const FTouch& Known = Touch(Point.pair, Velocity * Sign);
+	const bool bStood = Now - Component.Began < Beginning;
+	UPrimitiveComponent* const Touching[2] = {Component.Target, Other};
+	const FTouch& Known = Touch(Point.pair, Velocity * Sign, bStood, Touching);
 	Point.has_velocity = Known.bKnown;
 	Point.velocity = ToMetres(Known.Before * Sign);
 	Point.point = ToMetres(Hit.ImpactPoint);
@@ -109,7 +134,7 @@ void FCrumpleContacts::Step(float Seconds)
 		UE_LOG(LogCrumple, Warning, TEXT("A hit was not taken: %s"), UTF8_TO_TCHAR(crumple_result_name(Report.refusal)));
 	}
 	Now += Seconds;
-	Touches.RemoveAll([=, this](const FTouch& Each) { return Now - Each.Last > Gap; });
+	Touches.RemoveAll([=, this](const FTouch& Each) { return Now - Each.Last > Gap && !Each.IsAsleep(); });
 	Hits.SetNumUninitialized(static_cast<int32>(Report.hits));
 	uint32_t Count = 0;
 	if (Report.hits == 0 || crumple_context_get_contact_hits(Context, Hits.GetData(), static_cast<uint32_t>(Report.hits), &Count) != CRUMPLE_OK)

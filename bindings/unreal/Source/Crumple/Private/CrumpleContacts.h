@@ -2,6 +2,7 @@
 #pragma once
 
 #include "CoreMinimal.h"
+#include "UObject/WeakObjectPtr.h"
 
 #include "crumple.h"
 
@@ -16,7 +17,7 @@ public:
 	void Use(CrumpleContext* InContext);
 
 	/** Components that play. */
-	void Add(UCrumpleComponent* Component) { Components.Add(Component); }
+	void Add(UCrumpleComponent* Component);
 	void Remove(UCrumpleComponent* Component)
 	{
 		Components.RemoveAll([=](const UCrumpleComponent* Each) { return Each == Component; });
@@ -37,8 +38,13 @@ private:
 		FVector Before, After;
 		bool bKnown;
 		double Last;
+		/** Unreal tells nothing of bodies that sleep. They touch all the same. */
+		TWeakObjectPtr<UPrimitiveComponent> Bodies[2];
+
+		bool IsAsleep() const;
 	};
-	const FTouch& Touch(uint64 Pair, const FVector& Velocity);
+	/** bStood: whether a pair that is new stood there when play began. */
+	const FTouch& Touch(uint64 Pair, const FVector& Velocity, bool bStood, UPrimitiveComponent* const (&Bodies)[2]);
 
 	CrumpleContext* Context = nullptr;
 	TArray<UCrumpleComponent*> Components;

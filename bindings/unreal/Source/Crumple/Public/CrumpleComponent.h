@@ -121,6 +121,8 @@ private:
 	TObjectPtr<UCrumpleSet> TargetSet;
 
 	TSharedPtr<FCrumpleBody> Body;
+	/** Time of the contacts when play began, s. */
+	double Began = 0;
 
 	friend FCrumpleContacts;
 };
