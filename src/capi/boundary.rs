@@ -54,6 +54,9 @@ struct Inside;
 
 impl Inside {
     fn enter() -> Self {
+        if DEPTH.get() == 0 {
+            super::allocator::begin();
+        }
         DEPTH.set(DEPTH.get() + 1);
         Self
     }

@@ -7,6 +7,7 @@ use super::result::Failure;
 use super::store::{BufferEntry, InstanceEntry, Memory};
 use super::types::CrumpleBuffer;
 use super::vulkan_types::CrumpleRecordReport;
+use crate::base::memory::may_fail;
 use crate::gpu::{FrameReport, Job};
 use crate::{graph, vulkan};
 
@@ -52,7 +53,7 @@ pub(super) fn with_jobs<T: DeviceTarget, R>(
     let written = |(id, entry): &(CrumpleBuffer, &BufferEntry)| T::is_of(&entry.memory) && chosen.names(*id);
     chosen.fold(instances, entries.iter::<CrumpleBuffer>().filter(written))?;
     let mut jobs = recycled(std::mem::take(&mut lists.jobs));
-    jobs.try_reserve(most).map_err(|_| Failure::out_of_memory("the list of jobs"))?;
+    may_fail(|| jobs.try_reserve(most)).map_err(|_| Failure::out_of_memory("the list of jobs"))?;
     for (id, entry) in entries.iter_mut::<CrumpleBuffer>() {
         let Some(target) = T::of(&mut entry.memory) else { continue };
         if chosen.names(id) {
@@ -76,7 +77,7 @@ pub(super) fn c_report(report: FrameReport) -> CrumpleRecordReport {
         vertices_written: report.vertices_written,
         blocks_written: report.blocks_written,
         blocks_skipped: report.blocks_skipped,
-        parts_skipped: report.parts_skipped,
+        examples_skipped: report.parts_skipped,
         bytes_copied: report.bytes_copied,
         dispatches: report.dispatches,
         vertices_waiting: report.vertices_waiting,

@@ -103,7 +103,7 @@ pub struct CrumpleRecordReport {
     /// Blocks that will be written. 0: only queue-family transfers were recorded, if any.
     pub blocks_written: u64,
     pub blocks_skipped: u64,
-    pub parts_skipped: u64,
+    pub examples_skipped: u64,
     /// Bytes that the commands copy to the device, including meshes used for the first time.
     pub bytes_copied: u64,
     /// Dispatches: one per VkBuffer, and one per buffer of an instance with a classic rule.

@@ -224,7 +224,7 @@ class Context:
             if ids:
                 check(library.crumple_context_deform(self.handle, array, len(ids), ctypes.byref(report)))
         return DeformReport(
-            report.vertices_written, report.blocks_written, report.blocks_skipped, report.parts_skipped, report.vertices_waiting
+            report.vertices_written, report.blocks_written, report.blocks_skipped, report.examples_skipped, report.vertices_waiting
         )
 
 

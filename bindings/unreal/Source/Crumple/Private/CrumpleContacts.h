@@ -3,7 +3,7 @@
 
 #include "CoreMinimal.h"
 
-#include "crumple.h"
+#include "crumple_contacts.h"
 
 class UCrumpleComponent;
 class UPrimitiveComponent;
