@@ -2,7 +2,9 @@
 
 use super::boundary::boundary;
 use super::check::{def, defs, zeroed};
-use super::result::{CrumpleResult, Failure};
+use super::result::CrumpleResult;
+#[cfg(not(feature = "host-allocator"))]
+use super::result::Failure;
 use std::ffi::c_void;
 
 /// Returns size bytes aligned to align (a power of two, at least 16), or null. Must be thread-safe. Must not call
@@ -55,22 +57,6 @@ pub unsafe extern "C" fn crumple_allocator_set(allocator: *const CrumpleAllocato
     })
 }
 
-/// What the calling thread's call has been refused since `begin`.
-pub(super) fn begin() {
-    #[cfg(feature = "host-allocator")]
-    global::SEEN.set(global::refused());
-}
-
-/// Fails if the host refused a block since the call began. The block is the system's then: not every allocation of Rust may
-/// fail. Calls ask before they keep what they have made, so that a full heap does not fill the system's memory.
-pub(super) fn granted() -> Result<(), Failure> {
-    #[cfg(feature = "host-allocator")]
-    if global::SEEN.get() != global::refused() {
-        return Err(Failure::out_of_memory("the call: the host's allocator refused a block"));
-    }
-    Ok(())
-}
-
 #[cfg(feature = "host-allocator")]
 mod global {
     //! Rust's global allocator. Memory may outlive the choice of an allocator, so each piece carries, just after its
@@ -79,9 +65,8 @@ mod global {
 
     use super::super::result::{CrumpleResult, Failure};
     use super::CrumpleAllocatorDef;
-    use crate::base::memory::is_fallible;
+    use crate::base::memory::{is_fallible, refuse};
     use std::alloc::{GlobalAlloc, Layout, System};
-    use std::cell::Cell;
     use std::ffi::c_void;
     use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering::*};
 
@@ -110,17 +95,6 @@ mod global {
     static CURRENT: AtomicUsize = AtomicUsize::new(0);
     /// How many places of `TABLE` are taken; a lock while `usize::MAX`.
     static TAKEN: AtomicUsize = AtomicUsize::new(0);
-    /// How many blocks hosts refused that the system gave instead, on all threads.
-    static REFUSED: AtomicUsize = AtomicUsize::new(0);
-
-    thread_local! {
-        /// `REFUSED` when the thread's call began.
-        pub(super) static SEEN: Cell<usize> = const { Cell::new(0) };
-    }
-
-    pub(super) fn refused() -> usize {
-        REFUSED.load(Relaxed)
-    }
 
     pub(super) fn set(allocator: Option<CrumpleAllocatorDef>) -> Result<(), Failure> {
         let Some(def) = allocator else {
@@ -208,7 +182,7 @@ mod global {
                     if is_fallible() {
                         return memory;
                     }
-                    REFUSED.fetch_add(1, Relaxed);
+                    refuse();
                     number = 0;
                 }
             }

@@ -1,7 +1,6 @@
 //! Buffers: memory of the host that deformed vertices are written to.
 
-use super::allocator::granted;
-use super::boundary::succeeds;
+use super::boundary::{granted, succeeds};
 use super::check::{Out, def, zeroed};
 use super::context::{CrumpleContext, exclusive, look_into};
 use super::host_memory::{CrumpleHostBufferDef, HostMemory};

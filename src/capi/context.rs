@@ -1,7 +1,6 @@
 //! The context: everything an engine makes, its threads, and who may be inside when.
 
-use super::allocator::granted;
-use super::boundary::boundary;
+use super::boundary::{boundary, granted};
 use super::check::{Out, def, defs, zeroed};
 use super::ids::Slots;
 use super::result::{CrumpleResult, Failure};

@@ -1,6 +1,6 @@
 //! Damage: read, replaced, saved, repaired, copied.
 
-use super::allocator::granted;
+use super::boundary::granted;
 use super::check::{Out, array, finite, write_array};
 use super::context::{CrumpleContext, exclusive};
 use super::result::{CrumpleResult, Failure};

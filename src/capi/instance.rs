@@ -1,7 +1,6 @@
 //! Instances: bodies in the scene.
 
-use super::allocator::granted;
-use super::boundary::succeeds;
+use super::boundary::{granted, succeeds};
 use super::check::{Out, def, defs, enumerator, finite, positive_or, read, zeroed};
 use super::context::{CrumpleContext, concurrent, exclusive, find};
 use super::result::{CrumpleResult, Failure};

@@ -1,7 +1,6 @@
 //! Example sets: loaded from baked files, shared, destroyed.
 
-use super::allocator::granted;
-use super::boundary::succeeds;
+use super::boundary::{granted, succeeds};
 use super::c_enum::c_enums;
 use super::check::{Out, array, enumerator, required_string};
 use super::context::{Context, CrumpleContext, CrumpleLogLevel, exclusive, look_into};

@@ -1,6 +1,6 @@
 //! A set in several contexts.
 
-use super::allocator::granted;
+use super::boundary::granted;
 use super::check::Out;
 use super::context::{CrumpleContext, exclusive, look_into};
 use super::result::{CrumpleResult, Failure};
