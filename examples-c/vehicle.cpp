@@ -230,7 +230,7 @@ struct Car {
 
     // How far a wheel's mount moved, m.
     float wheel_moved(const CrumpleAttachment &wheel) const {
-        const CrumpleVec3 to = instance.attached_frame(wheel).value().position, from = wheel.point;
+        const CrumpleVec3 to = instance.attached_pose(wheel).value().position, from = wheel.point;
         return std::hypot(std::hypot(to.x - from.x, to.y - from.y), to.z - from.z);
     }
 
@@ -270,7 +270,7 @@ struct Car {
         static const Mesh tyre = Mesh::cylinder(WHEEL, 0.2f, false);
         for (size_t i = 0; i < wheels.size(); ++i) {
             // The wheel moves and turns as the place where it is mounted.
-            const CrumpleFrame frame = instance.attached_frame(wheels[i]).value();
+            const CrumplePose frame = instance.attached_pose(wheels[i]).value();
             std::vector<CrumpleVec3> points;
             for (const CrumpleVec3 &v : tyre.positions) {
                 const CrumpleVec3 turned = rotated(frame.rotation, v), at = frame.position;
@@ -387,7 +387,7 @@ void run(const std::string &folder, int frames) {
         fact(a.x == b.x && a.y == b.y && a.z == b.z, "the seam is closed");
     }
     // How far the front wheel's mount moved, and how far it is turned about the vertical.
-    const CrumpleFrame frame_of_wheel = first.instance.attached_frame(first.wheels[0]).value();
+    const CrumplePose frame_of_wheel = first.instance.attached_pose(first.wheels[0]).value();
     const CrumpleQuat q = frame_of_wheel.rotation;
     const double toe = 2 * std::atan2(q.z, q.w) * 180 / 3.14159265358979;
     const double moved = double(first.wheel_moved(first.wheels[0]));

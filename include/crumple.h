@@ -16,16 +16,18 @@
 //                     crumple_context_get_changed_buffers and crumple_buffer_get_changes for uploads and bounds
 //
 // What few need is in headers of its own, which include this one:
-//   crumple_build.h   example sets from arrays, levels of detail, baking, damage for a changed mesh
-//   crumple_import.h  example sets from glTF and OBJ files
-//   crumple_parts.h   parts that come off; lamps and other points that follow the surface; colliders
-//   crumple_vulkan.h  deformation in your VkCommandBuffer, or on a Vulkan device of Crumple's own
-//   crumple_graph.h   deformation in passes of your own render graph
-//   crumple_host.h    your allocator; sets in several contexts
+//   crumple_build.h     example sets from arrays, levels of detail, baking, damage for a changed mesh
+//   crumple_import.h    example sets from glTF and OBJ files
+//   crumple_parts.h     parts that come off; lamps and other points that follow the surface; colliders
+//   crumple_contacts.h  several hits as one contact; the hits that contact points became, for sounds and scores
+//   crumple_view.h      tolerances, vertex budgets, levels of detail by distance; dents that take time to appear
+//   crumple_vulkan.h    deformation in your VkCommandBuffer, or on a Vulkan device of Crumple's own
+//   crumple_graph.h     deformation in passes of your own render graph
+//   crumple_host.h      your allocator; sets in several contexts
 //
 // Results. Calls that can fail return a CrumpleResult, and crumple_last_error() returns the message. A failed call changes
 // nothing, and everything stays usable. Outputs are written only on success, except for counts (see "Arrays"). No call
-// prints, throws, raises a signal or aborts the process (but see "Memory").
+// prints, throws or raises a signal.
 //
 // Every call may return CRUMPLE_ERROR_INVALID_ARGUMENT, ..._NOT_FINITE, ..._INDEX_OUT_OF_RANGE, ..._BUFFER_TOO_SMALL,
 // ..._MISALIGNED, ..._NULL_POINTER, ..._STRUCT_SIZE, ..._INVALID_ID, ..._CONCURRENT_USE, ..._OUT_OF_MEMORY and ..._INTERNAL
@@ -57,12 +59,17 @@
 // reads happen, with three exceptions: marks merge above mark_capacity, contacts end when more than 256 are open, and the
 // hits of one contact are summed with rounding.
 //
-// Units. Metres, seconds, kilograms, newton seconds. Any handedness and any up axis. Vertices are 32-bit floats, or
-// octahedral where a def says so. Indices start at 0. Enums are 32 bits wide (do not compile with -fshort-enums).
+// Units. Metres, seconds, kilograms, newton seconds, in the mesh's space and in world space. If your world is in
+// centimetres, multiply by 0.01 what you pass: points, translations of transforms, radii, velocities, and impulses in
+// kg cm/s. Any handedness and any up axis. Vertices are 32-bit floats, or octahedral where a def says so. Indices start at
+// 0. Enums are 32 bits wide (do not compile with -fshort-enums).
 //
-// Memory. Without memory for an array whose size depends on your input, such as vertices, displacements, a file or a list
-// of hits, a call returns CRUMPLE_ERROR_OUT_OF_MEMORY and changes nothing. Without memory for something smaller, or for
-// what a parser or a search tree allocates, the process aborts. Frames without hits allocate nothing.
+// Words. A contact is where a body is hit, a vertex of its mesh; hits with one contact_id are one contact. Contact points
+// come from a physics engine; those that leave one dent are a touch. A part is a piece of a body that can come off.
+//
+// Memory. Frames without hits allocate nothing. Without memory for an array whose size depends on your input, such as
+// vertices, a file or a list of hits, a call returns CRUMPLE_ERROR_OUT_OF_MEMORY and changes nothing. Your allocator
+// (crumple_host.h) may refuse any block. The process aborts only if the system's allocator refuses a small one.
 //
 // This file is generated from the library's source by `cargo xtask header`; do not edit it.
 
@@ -75,7 +82,7 @@
 
 /// The version of this header. Libraries of another major or, before 1.0, minor version do not fit.
 #define CRUMPLE_VERSION_MAJOR 0
-#define CRUMPLE_VERSION_MINOR 1
+#define CRUMPLE_VERSION_MINOR 2
 #define CRUMPLE_VERSION_PATCH 0
 /// The version of this header as one number, in the format of crumple_version().
 #define CRUMPLE_VERSION (((CRUMPLE_VERSION_MAJOR * 1000000) + (CRUMPLE_VERSION_MINOR * 1000)) + CRUMPLE_VERSION_PATCH)
@@ -117,6 +124,8 @@ typedef enum CrumpleResult {
     CRUMPLE_ERROR_VULKAN = 15,
     /// The Vulkan device is lost. Damage is not lost.
     CRUMPLE_ERROR_DEVICE_LOST = 16,
+    /// A contact id that no hit has, or that was ended.
+    CRUMPLE_ERROR_UNKNOWN_CONTACT = 17,
     CRUMPLE_ERROR_NULL_POINTER = 64,
     /// The struct_size of a def is wrong. Start from the def's crumple_..._def_default function.
     CRUMPLE_ERROR_STRUCT_SIZE = 65,
@@ -148,7 +157,7 @@ typedef enum CrumpleBytes {
 
 /// How hits damage an instance.
 typedef enum CrumpleRule {
-    /// Each hit leaves a mark. Memory is bounded and the order of hits does not matter. The default.
+    /// Each hit leaves a mark. The number of marks is bounded and the order of hits does not matter. The default.
     CRUMPLE_RULE_MARKS = 0,
     /// The classic rule "most displaced" of the paper, for comparison. The order of hits matters. The instance has
     /// no marks and needs memory for each vertex.
@@ -168,9 +177,9 @@ typedef enum CrumpleSelection {
 
 /// How a hit is given.
 typedef enum CrumpleHitKind {
-    /// As a blow: by its impulse, or by the mass and velocity of the striker. If any example of the set knows its blow,
-    /// the set predicts the displacement of the contact: give as much of the blow as the engine knows. Otherwise the
-    /// displacement is impulse * the instance's compliance, or impulse * duration / mass. The default.
+    /// As a blow: by its impulse, or by the mass and velocity of the striker. If the set has examples with blows
+    /// (blow_count), it predicts the displacement of the contact: give as much of the blow as the engine knows. Otherwise
+    /// the displacement is impulse * the instance's compliance, or impulse * duration / mass. The default.
     CRUMPLE_HIT_KIND_BLOW = 0,
     /// As the displacement of the contact, for engines with their own impulse-to-depth mapping. The dent does not depend
     /// on the frame rate. The fields of blows are unused.
@@ -184,6 +193,20 @@ typedef enum CrumpleSpace {
     /// World space. The instance's transform maps it to the mesh's space.
     CRUMPLE_SPACE_WORLD = 1,
 } CrumpleSpace;
+
+/// The shape of what strikes, at the contact.
+typedef enum CrumpleStrikerShape {
+    /// The default.
+    CRUMPLE_STRIKER_SHAPE_UNKNOWN = 0,
+    /// A ball, or anything round.
+    CRUMPLE_STRIKER_SHAPE_BALL = 1,
+    /// A pole, an edge, or anything long.
+    CRUMPLE_STRIKER_SHAPE_POLE = 2,
+    /// A corner of a box.
+    CRUMPLE_STRIKER_SHAPE_CORNER = 3,
+    /// A wall, or any flat face.
+    CRUMPLE_STRIKER_SHAPE_WALL = 4,
+} CrumpleStrikerShape;
 
 /// What became of a hit.
 typedef enum CrumpleHitStatus {
@@ -296,7 +319,7 @@ typedef struct CrumpleExampleSetInfo {
     bool has_tangents;
     /// Number of meshes: 1 + added levels of detail.
     uint32_t lod_count;
-    /// Number of examples that know their blow. From 1 on, the set predicts what an impulse leaves.
+    /// Number of examples whose impulse or striker is known. From 1 on, the set predicts what a blow leaves.
     uint32_t blow_count;
     /// How well the other examples predict an example's displacements, and its depth: median error, 0 exact, 1 no
     /// better than no dent. Negative if unknown.
@@ -346,7 +369,7 @@ typedef struct CrumpleInstanceDef {
     uint32_t mark_capacity;
     /// No vertex moves further than this, m. Default 0: the set's limit.
     float depth_limit;
-    /// Impulses shorter than this leave no mark, N s, in the hit's space. Default 0.
+    /// Impulses shorter than this leave no mark, N s, in the space of the hit. Default 0.
     float yield_impulse;
     /// Hits with a target displacement shorter than this leave no mark, m, in the mesh's space. Default 0.
     float yield_displacement;
@@ -355,10 +378,10 @@ typedef struct CrumpleInstanceDef {
     float max_contact_distance;
     /// Constant of CRUMPLE_RULE_BLEND, 0 to 1. Default 0.
     float blend_constant;
-    /// How far a blow of 1 N s moves its contact, m per N s, if no example of the set knows its blow. duration and mass of
-    /// impulses are then unused. Default 0: duration / mass.
+    /// How far a blow of 1 N s moves its contact, m per N s, if the set's blow_count is 0. duration and mass of hits
+    /// are then unused. Default 0: duration / mass.
     float compliance;
-    /// How long a dent takes to appear, to deepen or to be repaired, s; see crumple_context_set_time(). Default 0: none.
+    /// How long a dent takes to appear, to deepen or to be repaired, s; see crumple_context_set_time() in crumple_view.h. Default 0: none.
     float grow_time;
     /// Transform; see crumple_instance_set_transform(). Default the identity.
     float local_to_world[16];
@@ -375,15 +398,16 @@ typedef struct CrumpleInstance {
 typedef struct CrumpleInstanceInfo {
     /// The set that it was created with. The id is invalid if the set was destroyed.
     CrumpleExampleSet set;
-    /// Memory of the instance, bytes, without the set and without your buffers.
+    /// Memory of the instance, bytes, without the set, and without what is kept for its buffers.
     uint64_t memory_bytes;
     /// Number of marks; 0 with a classic rule.
     uint32_t mark_count;
     uint32_t buffer_count;
+    /// No vertex moves further than this, m.
     float depth_limit;
-    /// Number of open contacts; see crumple_instance_end_contact().
+    /// Number of open contacts; see crumple_contacts.h.
     uint32_t contact_count;
-    /// Number for the marks: equal marks have equal revisions, on all machines. 0 without marks.
+    /// A hash of the marks: equal marks have equal revisions, on all machines. 0 without marks.
     uint64_t revision;
     uint32_t reserved[2];
 } CrumpleInstanceInfo;
@@ -394,13 +418,13 @@ typedef struct CrumpleStriker {
     float mass;
     /// Radius of its surface at the contact, m: small for a corner, large for a flat face.
     float radius;
-    /// Its velocity relative to the struck body before the touch, m/s.
+    /// Its velocity relative to the struck body before they touch, m/s.
     CrumpleVec3 velocity;
-    /// Its shape at the contact: 0 unknown, 1 a ball or anything round, 2 a pole or an edge, 3 a corner, 4 a wall or any flat face.
-    uint32_t shape;
+    CrumpleStrikerShape shape;
+    uint32_t reserved[2];
 } CrumpleStriker;
 
-/// A hit. Report a contact once with its whole impulse, or in parts with a contact_id.
+/// A hit. Report a blow once with its whole impulse, or as several hits with the same contact_id.
 typedef struct CrumpleHitDef {
     uint32_t struct_size;
     CrumpleHitKind kind;
@@ -412,15 +436,15 @@ typedef struct CrumpleHitDef {
     CrumpleVec3 displacement;
     /// The impulse on the body, N s. Default 0: striker.mass * striker.velocity. If that is 0 too, there is no mark.
     CrumpleVec3 impulse;
-    /// How long the impulse acted, s: a constant of the material such as 0.01, not the time step. Required if no example
-    /// knows its blow and the instance has no compliance.
+    /// How long the impulse acted, s: a constant of the material such as 0.01, not the time step. Required if the set's
+    /// blow_count is 0 and the instance has no compliance.
     float duration;
     /// Mass of the contact vertex, kg, for impulse * duration / mass. Default 0: the set's mass for that vertex.
     float mass;
     /// Contact normal, out of the body, of any length. Default 0: unknown.
     CrumpleVec3 normal;
     CrumpleStriker striker;
-    /// The contact that the hit is part of; see crumple_instance_end_contact(). Default 0: none.
+    /// The contact that the hit belongs to; see crumple_contacts.h. Default 0: none.
     uint64_t contact_id;
 } CrumpleHitDef;
 
@@ -453,10 +477,10 @@ typedef struct CrumpleMark {
     uint32_t contact;
     /// Requested depth at the contact, m, above 0.
     float depth;
-    /// How many hits of this depth it stands for, times 2^32: 4294967296 for one. Hits that repeat it add to it.
-    uint64_t energy;
-    /// Up to four examples. Used pairs come first. If the first has the example 65534, they are the numbers of a hit whose dent
-    /// the set predicts (docs/model.md, "Prediction from all examples").
+    /// Number of hits of this depth that it stands for, fixed point 32.32: 4294967296 for one hit.
+    uint64_t hits;
+    /// Up to four examples. Used pairs come first. If the first has the example 65534, the set predicts the dent, and the pairs
+    /// are the numbers of its hit (docs/model.md, "Prediction from all examples").
     CrumplePair pairs[4];
 } CrumpleMark;
 
@@ -478,30 +502,32 @@ typedef struct CrumpleHitResult {
     CrumpleChosen chosen[4];
     /// The mark. All zero if the hit leaves none.
     CrumpleMark mark;
-    /// The relative L2 error that is expected of the dent, if the set has learned to predict it; 1 is the error of no dent at all.
-    /// Else 0. Where it is large, one more example would help.
+    /// Expected error of the dent relative to its size (L2): 0 exact, 1 as wrong as no dent. 0 if the set has not learned to
+    /// predict it. Where it is large, one more example helps.
     float expected_error;
     uint32_t reserved[7];
 } CrumpleHitResult;
 
-/// Options of a context's contacts.
+/// Options of a context's contacts. A touch is what leaves one dent: points of one pair that lie near each other, from the
+/// step in which they first push until the bodies separate or touch_time is over.
 typedef struct CrumpleContactOptionsDef {
     uint32_t struct_size;
     /// What the impulses of points mean. Default CRUMPLE_IMPULSES_PER_POINT.
     CrumpleImpulses impulses;
     /// Factor of the energy of every blow, at least 0. Default 1: what the physics says.
     float gain;
-    /// Points that approach more slowly leave nothing, m/s. Default -1: a quarter of the speed of the set's slowest
+    /// Points that approach more slowly than this leave nothing, m/s. Default -1: a quarter of the speed of the set's slowest
     /// example, at least 0.5 m/s, which is above what gravity adds in a step of 1/30 s.
     float min_speed;
-    /// Touches of less energy leave nothing, J. Default -1: a sixteenth of the energy of the set's weakest example.
+    /// Touches of less energy than this leave nothing, J. Default -1: a sixteenth of the energy of the set's weakest example.
     float min_energy;
-    /// Points of a pair that are nearer to each other make one dent, m, in the mesh's space. Default -1: half of the median
+    /// Points of a pair that are nearer to each other than this are one touch, m, in the mesh's space. Default -1: half of the median
     /// support radius of the set's examples.
     float dent_radius;
-    /// How long a touch lasts at most, s, above 0. What pushes longer makes another dent, if it is fast enough. Default 0.1.
+    /// How long a touch lasts at most, s, above 0. Bodies that push longer begin another one, if they are fast enough. Default
+    /// 0.1.
     float touch_time;
-    /// A touch whose pair was not reported for longer than this has ended, s, at least 0. Default 0.05.
+    /// A touch ends when its pair was not reported for longer than this, s, at least 0. Default 0.05.
     float separation_time;
     /// The most points between two steps, 1 to 16777216. Default 65536.
     uint32_t max_points;
@@ -547,8 +573,8 @@ typedef struct CrumpleContactPointDef {
     float inverse_mass;
     /// Radii of the surfaces of a and b at the point, m: small for a corner, large for a flat face. Default 0: unknown.
     float radii[2];
-    /// Shapes of a and b at the point, as those of CrumpleStriker. Default 0: unknown.
-    uint32_t shapes[2];
+    /// Shapes of a and b at the point. Default unknown.
+    CrumpleStrikerShape shapes[2];
     /// Factor of the point's energy, for the materials of the pair, at least 0. Default 1.
     float gain;
 } CrumpleContactPointDef;
@@ -557,7 +583,7 @@ typedef struct CrumpleContactPointDef {
 typedef struct CrumpleContactReport {
     uint64_t points;
     uint64_t hits;
-    /// Touches that began, ended, and last.
+    /// Touches that began, that ended, and that are open after the step.
     uint64_t begun;
     uint64_t ended;
     uint64_t open;
@@ -575,22 +601,6 @@ typedef struct CrumpleContactReport {
     CrumpleResult refusal;
     uint32_t reserved[3];
 } CrumpleContactReport;
-
-/// A hit that the last step of contacts brought to an instance, for sounds, sparks and scores. If both bodies dent, each
-/// has one.
-typedef struct CrumpleContactHit {
-    /// The pair whose points made the hit.
-    uint64_t pair;
-    /// The touch that the hit is a part of; see crumple_instance_get_contact().
-    uint64_t contact_id;
-    CrumpleInstance instance;
-    /// Where the instance was hit, m, in world space.
-    CrumpleVec3 point;
-    /// The impulse on the instance, N s, in world space.
-    CrumpleVec3 impulse;
-    /// The effect of this hit alone.
-    CrumpleHitResult result;
-} CrumpleContactHit;
 
 /// Memory for the deformed vertices of one instance, in the mesh's order and space.
 typedef struct CrumpleHostBufferDef {
@@ -653,7 +663,7 @@ extern "C" {
 /// Returns the version of the running library: major * 1000000 + minor * 1000 + patch. Compare it with CRUMPLE_VERSION.
 uint32_t crumple_version(void);
 
-/// Returns the version of the running library as text, such as "0.1.0". The text stays valid for ever.
+/// Returns the version of the running library as text, such as "0.2.0". The text stays valid for ever.
 const char *crumple_version_string(void);
 
 /// Returns the CRUMPLE_FEATURE_ bits of this build, combined with or. Ignore bits that you do not know.
@@ -733,19 +743,6 @@ CrumpleResult crumple_instance_set_transform(CrumpleContext *context, CrumpleIns
 /// their full depth returns when the limit is raised.
 CrumpleResult crumple_instance_set_depth_limit(CrumpleContext *context, CrumpleInstance instance, float depth_limit);
 
-/// Sets the time, s, for instances with a grow_time. Call it once a frame before deforming. Vertices and attached
-/// points of a dent that appears, changes or is repaired go evenly to where its mark puts them, from the time that was
-/// set when the change was read. Marks change at once, and so does damage that is set, loaded, copied or reset.
-CrumpleResult crumple_context_set_time(CrumpleContext *context, double time);
-
-/// Chooses how finely to show an instance where errors of so many pixels do not matter, such as 0.5. out_lod, which may
-/// be null, receives the level of detail to show: the coarsest whose mean edge covers at most 16 * pixels on screen.
-/// Under a vertex budget, near instances wait less than distant ones. distance, m, in the mesh's space: from the camera
-/// to the nearest point of the instance. fov_y: the vertical field of view, radians. viewport_height:
-/// pixels. Cheap; call it every frame. Not for sets whose further meshes are parts of the body.
-CrumpleResult crumple_instance_set_view(CrumpleContext *context, CrumpleInstance instance, float pixels, float distance,
-                                        float fov_y, float viewport_height, uint32_t *out_lod);
-
 CrumpleHitDef crumple_hit_def_default(void);
 /// Submits a hit. The call selects the examples. The next read of the damage applies the mark (see "Reads" at the top).
 /// A hit that is too weak, or that no example fits, is not an error; see out_result->status. out_result may be null.
@@ -764,46 +761,24 @@ CrumpleResult crumple_context_submit_hits(CrumpleContext *context, const Crumple
 CrumpleResult crumple_instance_preview_hit(CrumpleContext *context, CrumpleInstance instance, const CrumpleHitDef *def,
                                            CrumpleHitResult *out_result);
 
-/// Ends a contact. Its dent stays; later hits with the same id begin a new one. Contacts are for engines that report
-/// one contact as many small impulses and do not use crumple_context_report_contacts(). Give these hits the same
-/// contact_id, any number but 0, and end the contact when the bodies separate. Together they make one dent, that of
-/// their sum at the mean of their points, at any frame rate. Yield thresholds and depth limit apply to the sum. Ending
-/// an unknown id is not an error. Contacts also end when the damage is set, loaded, copied to the instance, repaired or
-/// reset, and the one hit longest ago when more than 256 are open. Any thread. CRUMPLE_ERROR_WRONG_RULE: a classic
-/// rule.
-CrumpleResult crumple_instance_end_contact(CrumpleContext *context, CrumpleInstance instance, uint64_t contact_id);
-
-/// Returns the result of all hits of a contact taken as one. The contact is open, or one of the 256 that ended last. If
-/// there is none, or the sum is too weak, the status is CRUMPLE_HIT_STATUS_BELOW_YIELD. CRUMPLE_ERROR_WRONG_RULE: a
-/// classic rule.
-CrumpleResult crumple_instance_get_contact(CrumpleContext *context, CrumpleInstance instance, uint64_t contact_id,
-                                           CrumpleHitResult *out_result);
-
 CrumpleContactOptionsDef crumple_contact_options_def_default(void);
 /// Changes the options of the context's contacts. Touches that last go on with them. Any thread.
 CrumpleResult crumple_context_set_contact_options(CrumpleContext *context, const CrumpleContactOptionsDef *options);
 
 CrumpleContactPointDef crumple_contact_point_def_default(void);
 /// Takes contact points of the current step of the physics: all, or none if one is wrong. Report every point of every
-/// pair, also of bodies that rest or slide, and call crumple_context_step_contacts() after the step: all points of one
-/// place make one dent, at any rate of steps, and what rests, rolls, slides or jitters makes none. Two instances share
-/// the energy of a blow by how they give way. Any thread. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (names the point and
-/// its part; also more than max_points since the last step), CRUMPLE_ERROR_WRONG_RULE (a classic rule).
+/// pair, also of bodies that rest or slide, and call crumple_context_step_contacts() after the step. A touch leaves one
+/// dent, at any rate of steps. Bodies that rest, roll, slide or jitter leave none. Two instances share the energy of a
+/// blow, and the one that gives way more easily takes more. Any thread. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (names the
+/// point and its field; also more than max_points since the last step), CRUMPLE_ERROR_WRONG_RULE (a classic rule).
 CrumpleResult crumple_context_report_contacts(CrumpleContext *context, const CrumpleContactPointDef *points,
                                               uint32_t count);
 
-/// Ends a step of the physics that lasted so many seconds: turns the points reported since the last call into hits,
-/// which the next read of the damage applies. Call it once after each step, also if nothing touched. Their contact ids
-/// are 2^63 and above; give other ids to your own hits. out_report may be null. Any thread.
+/// Ends a step of the physics that lasted so many seconds. It turns the points reported since the last call into hits,
+/// which the next read of the damage applies; crumple_context_get_contact_hits() in crumple_contacts.h returns them. Call
+/// it once after each step, also if nothing touched. These hits have contact ids of 2^63 and above; give smaller ids to
+/// your own. out_report may be null. Any thread.
 CrumpleResult crumple_context_step_contacts(CrumpleContext *context, float seconds, CrumpleContactReport *out_report);
-
-/// Returns the hits that the last crumple_context_step_contacts() brought to instances, in no particular order. Ask after each
-/// step; there are at most as many as its report's hits. hits has room for capacity hits; see "Arrays" at the top. Any thread.
-CrumpleResult crumple_context_get_contact_hits(CrumpleContext *context, CrumpleContactHit *hits, uint32_t capacity,
-                                               uint32_t *out_count);
-
-/// Returns the sums of all steps' reports; open is that of the last step. Any thread.
-CrumpleResult crumple_context_get_contact_totals(CrumpleContext *context, CrumpleContactReport *out_report);
 
 /// Ends all touches and forgets the points that wait, as after loading a saved game. Dents stay. Any thread.
 CrumpleResult crumple_context_clear_contacts(CrumpleContext *context);
@@ -828,23 +803,23 @@ CrumpleResult crumple_instance_save_damage(CrumpleContext *context, CrumpleInsta
 CrumpleResult crumple_instance_load_damage(CrumpleContext *context, CrumpleInstance instance, const void *data,
                                            size_t size);
 
-/// Saves the damage of count instances, or of all instances of the context by increasing index if instances is null and
-/// count 0, as one piece of bytes.
+/// Saves the damage of count instances together, or of all instances of the context by increasing index if instances is
+/// null and count 0.
 CrumpleResult crumple_context_save_damage(CrumpleContext *context, const CrumpleInstance *instances, uint32_t count,
                                           void *data, size_t capacity, size_t *out_size);
 
-/// Replaces the damage of count instances, or of all, with that of crumple_context_save_damage(), which was given
-/// instances of the same sets in the same order. Otherwise like crumple_instance_load_damage() for each of them; after
-/// an error no instance has changed. CRUMPLE_ERROR_DAMAGE_MISMATCH: also another number of instances.
+/// Replaces the damage of count instances, or of all, with bytes of crumple_context_save_damage() for instances of the same
+/// sets in the same order. Otherwise like crumple_instance_load_damage() for each of them. After an error no instance has
+/// changed. CRUMPLE_ERROR_DAMAGE_MISMATCH: also another number of instances.
 CrumpleResult crumple_context_load_damage(CrumpleContext *context, const CrumpleInstance *instances, uint32_t count,
                                           const void *data, size_t size);
 
-/// Repairs an instance. Every dent keeps this share of its depth: 0 (as new) to 1 (unchanged). Ends contacts.
+/// Repairs an instance. Every dent keeps a share of its depth, keep: 0 (as new) to 1 (unchanged). Ends contacts.
 CrumpleResult crumple_instance_repair_damage(CrumpleContext *context, CrumpleInstance instance, float keep);
 
-/// Repairs an instance around a point of the mesh's space, m, as with a hammer. A dent whose contact is at the point
-/// keeps this share of its depth, 0 to 1, and one at radius, m, all of it. A dent is repaired as a whole, also where it
-/// reaches beyond the radius. Ends contacts. CRUMPLE_ERROR_WRONG_RULE: a classic rule.
+/// Repairs an instance around a point of the mesh's space, m, as with a hammer. A dent whose contact is at the point keeps
+/// a share of its depth, keep (0 to 1). Dents further away keep more, and those at radius, m, all of it. A dent is
+/// repaired as a whole, also where it reaches beyond the radius. Ends contacts. CRUMPLE_ERROR_WRONG_RULE: a classic rule.
 CrumpleResult crumple_instance_repair_around(CrumpleContext *context, CrumpleInstance instance, CrumpleVec3 point,
                                              float radius, float keep);
 
@@ -852,16 +827,16 @@ CrumpleResult crumple_instance_repair_around(CrumpleContext *context, CrumpleIns
 CrumpleResult crumple_instance_reset_damage(CrumpleContext *context, CrumpleInstance instance);
 
 /// Replaces an instance's damage with that of source, which needs an equal set and the same kind of rule. Discards
-/// pending hits and ends contacts. From itself: does nothing. CRUMPLE_ERROR_DAMAGE_MISMATCH: another set or rule.
+/// pending hits and ends contacts. If source is the instance itself, nothing happens. CRUMPLE_ERROR_DAMAGE_MISMATCH:
+/// another set or rule.
 CrumpleResult crumple_instance_copy_damage(CrumpleContext *context, CrumpleInstance instance, CrumpleInstance source);
 
 CrumpleHostBufferDef crumple_host_buffer_def_default(void);
 /// Registers your memory for an instance's deformed vertices. The first deform writes every vertex. An instance may
 /// have several buffers, such as a ring. Only crumple_context_deform() touches the memory, which must exist until the
 /// buffer is unregistered or gets other memory, or its instance or context is destroyed, and must not overlap that of
-/// other buffers. While an instance with eight dents or more is being hit, the library holds 24 bytes a vertex for each
-/// of its buffers. Errors: CRUMPLE_ERROR_MESH (normals or tangents that the mesh lacks), CRUMPLE_ERROR_WRONG_RULE (lod
-/// above 0 with a classic rule).
+/// other buffers. Errors: CRUMPLE_ERROR_MESH (normals or tangents that the mesh lacks), CRUMPLE_ERROR_WRONG_RULE (lod above
+/// 0 with a classic rule).
 CrumpleResult crumple_buffer_register_host(CrumpleContext *context, CrumpleInstance instance,
                                            const CrumpleHostBufferDef *def, CrumpleBuffer *out_buffer);
 
@@ -881,17 +856,9 @@ CrumpleResult crumple_buffer_invalidate(CrumpleContext *context, CrumpleBuffer b
 /// crumple_buffer_register_host(), and CRUMPLE_ERROR_INVALID_ARGUMENT (not a host buffer).
 CrumpleResult crumple_buffer_set_memory(CrumpleContext *context, CrumpleBuffer buffer, const CrumpleHostBufferDef *def);
 
-/// Limits how many vertices a deform, recording, submit or plan writes, for frames with more hits than time; 0, as at
-/// first: no limit. A buffer is written whole or not at all, and at least one is written. Those whose waiting would be
-/// seen most come first, by their vertices, how long they have waited, and how near they are
-/// (crumple_instance_set_view()). The others follow in later calls, with the same vertices. A buffer that does not show
-/// its instance yet never waits.
-CrumpleResult crumple_context_set_vertex_budget(CrumpleContext *context, uint64_t vertices);
-
 /// Writes what changed since the last write of count host buffers, or of all host buffers of the context if buffers is
-/// null and count 0, in parallel. It is cheap without changes. With null and 0 it also applies the pending hits of
-/// instances without a buffer, so that damage does not depend on which bodies are visible. Nobody else may read or
-/// write the memory during the call. out_report may be null. CRUMPLE_ERROR_INVALID_ARGUMENT (no vertex was written): a
+/// null and count 0, in parallel. With null and 0 it also applies the pending hits of instances without a buffer, so that
+/// damage does not depend on which bodies are visible. Nobody else may read or write the memory during the call. out_report may be null. CRUMPLE_ERROR_INVALID_ARGUMENT (no vertex was written): a
 /// buffer twice, not a host buffer, or overlapping memory in debug builds.
 CrumpleResult crumple_context_deform(CrumpleContext *context, const CrumpleBuffer *buffers, uint32_t count,
                                      CrumpleDeformReport *out_report);
@@ -901,9 +868,9 @@ CrumpleResult crumple_context_deform(CrumpleContext *context, const CrumpleBuffe
 CrumpleResult crumple_context_get_changed_buffers(CrumpleContext *context, CrumpleBufferInfo *buffers,
                                                   uint32_t capacity, uint32_t *out_count);
 
-/// Returns the vertices written by the last deform or recording that included the buffer, by id or with null and 0, as
-/// increasing ranges that do not overlap. out_bounds, which may be null, receives the bounds of all vertices, m; they
-/// may be too large for a buffer on a device. Use both for uploads, refits and culling.
+/// Returns the vertices written by the last deform or recording that named the buffer or all buffers, as increasing ranges
+/// that do not overlap. out_bounds, which may be null, receives the bounds of all vertices, m; they may be too large for a
+/// buffer on a device. Use both for uploads, refits and culling.
 CrumpleResult crumple_buffer_get_changes(CrumpleContext *context, CrumpleBuffer buffer, CrumpleRange *ranges,
                                          uint32_t capacity, uint32_t *out_count, CrumpleAabb *out_bounds);
 

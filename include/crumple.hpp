@@ -18,10 +18,12 @@
 #ifndef CRUMPLE_HPP
 #define CRUMPLE_HPP
 
+#include "crumple_contacts.h"
 #include "crumple_graph.h"
 #include "crumple_host.h"
 #include "crumple_import.h"
 #include "crumple_parts.h"
+#include "crumple_view.h"
 
 #include <cstdlib>
 #include <new>
@@ -343,13 +345,13 @@ public:
         return submit(def);
     }
 
-    /// Ends a contact. Until then, hits with its contact_id make one dent. May be called from any thread at any time.
+    /// Ends a contact. Until then, hits with its contact_id make one dent. An id that no hit has is an error. Any thread may
+    /// call this at any time.
     Result<void> end_contact(uint64_t contact_id) {
         return detail::done(crumple_instance_end_contact(context(), id(), contact_id));
     }
 
     /// The result of a contact, all its hits taken as one. The contact is open or among the 256 that ended last.
-    /// Otherwise the status is CRUMPLE_HIT_STATUS_BELOW_YIELD.
     Result<CrumpleHitResult> contact(uint64_t contact_id) {
         return detail::get<CrumpleHitResult>(
             [&](CrumpleHitResult *out) { return crumple_instance_get_contact(context(), id(), contact_id, out); });
@@ -398,18 +400,18 @@ public:
     struct PartDamage {
         float deepest; ///< m
         float mean;    ///< m
-        float energy;  ///< depth of one hit that has the energy of all, m
+        float equivalent_depth;  ///< of the single hit that does as much damage as all marks, m
     };
     /// How far the vertices of mesh lod have moved, and what hit it.
     Result<PartDamage> measure_part(uint32_t lod) const {
         return detail::get<PartDamage>([&](PartDamage *damage) {
-            return crumple_instance_measure_part(context(), id(), lod, &damage->deepest, &damage->mean, &damage->energy);
+            return crumple_instance_measure_part(context(), id(), lod, &damage->deepest, &damage->mean, &damage->equivalent_depth);
         });
     }
 
-    Result<CrumpleFrame> attached_frame(const CrumpleAttachment &attachment) const {
-        return detail::get<CrumpleFrame>(
-            [&](CrumpleFrame *frame) { return crumple_instance_get_attached_frame(context(), id(), &attachment, frame); });
+    Result<CrumplePose> attached_pose(const CrumpleAttachment &attachment) const {
+        return detail::get<CrumplePose>(
+            [&](CrumplePose *pose) { return crumple_instance_get_attached_pose(context(), id(), &attachment, pose); });
     }
 
     Result<Buffer> register_buffer(const CrumpleHostBufferDef &def) {

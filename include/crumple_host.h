@@ -31,7 +31,9 @@ extern "C" {
 CrumpleAllocatorDef crumple_allocator_def_default(void);
 /// Makes the library allocate from your functions, in the whole process, at any time. Null restores the system's
 /// allocator. Each block is freed by the functions that allocated it, so they must stay callable. Destroying all
-/// contexts frees all blocks, except for a few kB per thread of Crumple's own, kept until process exit. Errors:
+/// contexts frees all blocks, except for a few kB per thread of Crumple's own, kept until process exit. If alloc returns
+/// null, the call returns CRUMPLE_ERROR_OUT_OF_MEMORY and changes nothing, or completes with a block of the system's
+/// allocator. Errors:
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (more than 15 different allocators in a process), CRUMPLE_ERROR_UNSUPPORTED (a build
 /// without CRUMPLE_FEATURE_HOST_ALLOCATOR).
 CrumpleResult crumple_allocator_set(const CrumpleAllocatorDef *allocator);

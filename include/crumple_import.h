@@ -52,7 +52,7 @@ typedef struct CrumpleObjDef {
     CrumpleExampleSetOptions options;
 } CrumpleObjDef;
 
-/// A part of the mesh with its own material. material is its name (UTF-8, valid until the set is destroyed) or null.
+/// A stretch of the mesh with one material. material is its name (UTF-8, valid until the set is destroyed) or null.
 typedef struct CrumplePrimitive {
     const char *material;
     uint32_t first_vertex;
@@ -90,7 +90,7 @@ CrumpleObjDef crumple_obj_def_default(void);
 CrumpleResult crumple_example_set_load_obj(CrumpleContext *context, const CrumpleObjDef *def,
                                            CrumpleExampleSet *out_set);
 
-/// Returns the vertices and triangles of the part with an index below primitive_count.
+/// Returns the vertices and triangles of the primitive with an index below primitive_count.
 CrumpleResult crumple_example_set_get_primitive(CrumpleContext *context, CrumpleExampleSet set, uint32_t primitive,
                                                 CrumplePrimitive *out_primitive);
 

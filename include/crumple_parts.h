@@ -27,21 +27,21 @@ typedef struct CrumpleQuat {
 } CrumpleQuat;
 
 /// The position of an attached point, and its rotation relative to the undamaged mesh.
-typedef struct CrumpleFrame {
+typedef struct CrumplePose {
     /// Position, m, in the mesh's space.
     CrumpleVec3 position;
     CrumpleQuat rotation;
     uint32_t reserved[5];
-} CrumpleFrame;
+} CrumplePose;
 
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
 
-/// Takes a part off a body: mesh part of the set, a number from crumple_example_set_add_lod(). The base mesh is then the
-/// whole body, and each part has vertices at the positions of base vertices. out_part receives an instance of its own
-/// with the same options, transform and damage, and the body's buffers of the mesh become that instance's. Hits on it
-/// land only on the part. Hits on the body land only on what is left. The call indexes the base mesh. Errors:
+/// Takes a part off a body. part is the number of a mesh of the set (crumple_example_set_add_lod()) whose vertices lie at
+/// positions of base vertices; the base mesh is the whole body. out_part receives a new instance with the same options,
+/// transform and damage. The body's buffers of that mesh become the new instance's. Hits on the new instance reach only
+/// the part, and hits on the body only what is left of it. The call indexes the base mesh. Errors:
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (0, a part that is off already, the last part, a mesh without base vertices of its own),
 /// CRUMPLE_ERROR_WRONG_RULE.
 CrumpleResult crumple_instance_release_part(CrumpleContext *context, CrumpleInstance instance, uint32_t part,
@@ -58,23 +58,23 @@ CrumpleResult crumple_instance_mount_part(CrumpleContext *context, CrumpleInstan
 CrumpleResult crumple_instance_set_part_rigid(CrumpleContext *context, CrumpleInstance instance, uint32_t part,
                                               bool rigid);
 
-/// Measures how far the vertices of mesh lod have moved, m: the furthest, and their mean. out_energy receives the depth of
-/// one hit that has the energy of all marks whose contact is on the mesh, m; it grows with every hit. Dents count in full
-/// while they grow, so all are equal on all machines. Takes about as long as a deform of
-/// the whole mesh. Any output may be null.
+/// Measures how far the vertices of mesh lod have moved, m: the furthest, and their mean. out_equivalent_depth receives the
+/// depth of the single hit that does as much damage as all marks whose contact is on the mesh, m; it grows with every hit.
+/// Growing dents count in full, so the results are equal on all machines. The call computes every vertex of the mesh. Any
+/// output may be null.
 CrumpleResult crumple_instance_measure_part(CrumpleContext *context, CrumpleInstance instance, uint32_t lod,
-                                            float *out_deepest, float *out_mean, float *out_energy);
+                                            float *out_deepest, float *out_mean, float *out_equivalent_depth);
 
 /// Binds a point in the mesh's space, m, to the nearest surface. The point keeps its distance from the surface and
 /// rotates with it. CRUMPLE_ERROR_INVALID_ARGUMENT: the point is further away than 1e9 m.
 CrumpleResult crumple_example_set_attach_point(CrumpleContext *context, CrumpleExampleSet set, CrumpleVec3 point,
                                                CrumpleAttachment *out_attachment);
 
-/// Returns the position of an attached point on the dented instance, pending hits included. It needs no buffer. Errors:
+/// Returns the pose of an attached point on the dented instance, pending hits included. It needs no buffer. Errors:
 /// CRUMPLE_ERROR_INDEX_OUT_OF_RANGE or CRUMPLE_ERROR_INVALID_ARGUMENT (an attachment of another set, or one not from
 /// crumple_example_set_attach_point()).
-CrumpleResult crumple_instance_get_attached_frame(CrumpleContext *context, CrumpleInstance instance,
-                                                  const CrumpleAttachment *attachment, CrumpleFrame *out_frame);
+CrumpleResult crumple_instance_get_attached_pose(CrumpleContext *context, CrumpleInstance instance,
+                                                 const CrumpleAttachment *attachment, CrumplePose *out_pose);
 
 /// Finds the vertex of the base mesh nearest to a point in the mesh's space, m. The lowest index wins a tie. Either
 /// output may be null. out_distance is in m.
@@ -83,7 +83,7 @@ CrumpleResult crumple_example_set_find_nearest_vertex(CrumpleContext *context, C
 
 /// Returns the triangles with a vertex that crumple_buffer_get_changes() returns, as increasing ranges that do not
 /// overlap, in the order of the mesh's indices. out_bounds, which may be null, receives a box around those vertices
-/// before and now, m, for the partial refit of a collider; zeros without changes. The time is linear in the triangles.
+/// before and now, m, for the partial refit of a collider; zeros without changes.
 /// Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (not a host buffer), CRUMPLE_ERROR_MESH (a mesh without indices).
 CrumpleResult crumple_buffer_get_changed_triangles(CrumpleContext *context, CrumpleBuffer buffer, CrumpleRange *ranges,
                                                    uint32_t capacity, uint32_t *out_count, CrumpleAabb *out_bounds);

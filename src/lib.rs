@@ -81,7 +81,7 @@ pub use example::stamp::{Stamp, StampError};
 pub use glam;
 pub use instance::Instance;
 pub use instance::archive::{load_all, save_all};
-pub use instance::attachment::{Attachment, Frame};
+pub use instance::attachment::{Attachment, Pose};
 pub use instance::deform::{DeformJob, deform, deform_within};
 pub use instance::inbox::Inbox;
 pub use instance::mapped::{Mapping, map_damage};

@@ -580,9 +580,9 @@ fn quick_calls_out_of_range() {
     }
     let good = instance.example_set().attach([0.2, 0.2, 0.1]).unwrap();
     let foreign = Attachment { vertices: [0, 1, 9], ..good };
-    refused!(instance.attached_frame(&foreign), IndexOutOfRange, "attachment", "9", "below 3");
-    refused!(instance.attached_frame(&Attachment { point: [NAN; 3], ..good }), NotFinite, "attachment");
-    refused!(instance.attached_frame(&Attachment { weights: [INF; 3], ..good }), NotFinite, "attachment");
+    refused!(instance.attached_pose(&foreign), IndexOutOfRange, "attachment", "9", "below 3");
+    refused!(instance.attached_pose(&Attachment { point: [NAN; 3], ..good }), NotFinite, "attachment");
+    refused!(instance.attached_pose(&Attachment { weights: [INF; 3], ..good }), NotFinite, "attachment");
     still_usable(&mut instance, &[]);
 }
 
@@ -614,7 +614,7 @@ fn quick_marks_that_are_none() {
     let mut bad: Vec<(Mark, &str)> = vec![
         (Mark { contact: 3, ..ok }, "contact"),
         (Mark { contact: u32::MAX, ..ok }, "contact"),
-        (Mark { energy: 0, ..ok }, "energy"),
+        (Mark { energy: 0, ..ok }, "hits"),
         (Mark { pairs: [Pair::NONE; 4], ..ok }, "pairs"),
         (Mark { pairs: [Pair::NONE, pair, Pair::NONE, Pair::NONE], ..ok }, "pairs"),
         (Mark { pairs: [Pair { example: 1, ..pair }, Pair::NONE, Pair::NONE, Pair::NONE], ..ok }, "example"),

@@ -201,7 +201,7 @@ fn quick_the_result_of_a_contact_outlives_it() {
     assert_eq!(body.contact(id(1)).unwrap().map(|o| o.status), Some(HitStatus::Marked));
     body.submit(&Hit { contact: Some(id(999)), ..part(0.01) }).unwrap();
     body.end_contact(id(999)).unwrap();
-    assert_eq!(body.contact(id(1)).unwrap(), None);
+    assert_eq!(body.contact(id(1)), Err(Error::UnknownContact { id: 1 }));
 }
 
 #[test]
@@ -302,10 +302,38 @@ fn the_oldest_contact_ends_when_there_are_too_many() {
 }
 
 #[test]
-fn quick_ending_a_contact_that_is_not_open_does_nothing() {
+fn quick_an_unknown_contact_is_an_error_that_names_it() {
     let mut instance = with(&scenes::sheet_set(), InstanceOptions::default());
-    instance.end_contact(id(5)).unwrap();
+    let hit = |n| push([0.1, 0.1, 0.0], [0.0, 0.0, -0.01]).of_contact(id(n));
+    let unknown = |n| Err(Error::UnknownContact { id: n });
+    assert_eq!(instance.end_contact(id(5)), unknown(5));
+    assert!(instance.end_contact(id(5)).unwrap_err().to_string().starts_with("contact_id is 5"));
+    assert_eq!(instance.contact(id(5)), Err(Error::UnknownContact { id: 5 }));
     assert_eq!((instance.contact_count(), instance.marks().unwrap().len()), (0, 0));
+    // Hits begin it, also before they are folded. It ends once.
+    instance.submit(&hit(5)).unwrap();
+    instance.end_contact(id(5)).unwrap();
+    assert_eq!(instance.end_contact(id(5)), unknown(5));
+    assert_eq!(instance.marks().unwrap().len(), 1);
+    // What ended by itself may be ended once.
+    instance.submit(&hit(5)).unwrap();
+    instance.reset();
+    instance.end_contact(id(5)).unwrap();
+    assert_eq!(instance.end_contact(id(5)), unknown(5));
+    assert_eq!((instance.contact_count(), instance.marks().unwrap().len()), (0, 0));
+}
+
+#[test]
+fn contacts_that_nobody_ends_are_forgotten_at_last() {
+    let mut instance = with(&scenes::sheet_set(), InstanceOptions::default());
+    let hit = push([0.1, 0.1, 0.0], [0.0, 0.0, -0.01]);
+    let most = 16 * Instance::MAX_CONTACTS as u64;
+    for first in (1..=2 * most).step_by(128) {
+        (first..first + 128).for_each(|n| _ = instance.submit(&hit.of_contact(id(n))).unwrap());
+        instance.fold();
+    }
+    assert_eq!(instance.end_contact(id(1)), Err(Error::UnknownContact { id: 1 }));
+    instance.end_contact(id(2 * most)).unwrap(); // still open
 }
 
 #[test]

@@ -113,7 +113,7 @@ fn quick_a_dent_grows_evenly_and_pops_out_again() {
     for (time, depth) in [(7.0, 0.0), (7.025, 0.01), (7.075, 0.03), (7.05, 0.02), (7.1, 0.04), (9.0, 0.04)] {
         body.set_time(time).unwrap();
         assert!((deepest(&mut body) - depth).abs() < 1e-5, "{} at {time}", deepest(&mut body));
-        assert!((body.attached_frame(&lamp).unwrap().position[2] + depth).abs() < 1e-5, "the lamp at {time}");
+        assert!((body.attached_pose(&lamp).unwrap().position[2] + depth).abs() < 1e-5, "the lamp at {time}");
         assert!((body.marks().unwrap()[0].depth - 0.04).abs() < 1e-6);
     }
     body.repair(0.0).unwrap();

@@ -1272,7 +1272,7 @@ fn points_attached_at_vertices_go_where_the_vertices_go() {
         let mut instance = new(&set);
         let attachments: Vec<_> = (0..set.vertex_count()).map(|v| set.attach(base(&set, v)).unwrap()).collect();
         for (v, a) in attachments.iter().enumerate() {
-            let frame = instance.attached_frame(a).unwrap();
+            let frame = instance.attached_pose(a).unwrap();
             assert_eq!(frame.position, base(&set, v));
             assert_eq!(frame.rotation, [0.0, 0.0, 0.0, 1.0]);
         }
@@ -1281,7 +1281,7 @@ fn points_attached_at_vertices_go_where_the_vertices_go() {
         }
         let out = Output::fresh(&mut instance);
         for (v, a) in attachments.iter().enumerate() {
-            let frame = instance.attached_frame(a).unwrap();
+            let frame = instance.attached_pose(a).unwrap();
             assert!(
                 distance(frame.position, out.positions[v]) <= 2e-7,
                 "{name}, vertex {v}: {frame:?}, {:?}",
@@ -1308,7 +1308,7 @@ fn quick_a_lamp_before_the_surface_keeps_its_place_on_it() {
     }
     let out = Output::fresh(&mut instance);
     for (p, a) in lamps {
-        let frame = instance.attached_frame(&a).unwrap();
+        let frame = instance.attached_pose(&a).unwrap();
         // the corners of its triangle, and their distances from the lamp before and after
         let weights = Vec3::from_array(a.weights);
         assert!((weights.element_sum() - 1.0).abs() < 1e-5);

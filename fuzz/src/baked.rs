@@ -50,7 +50,7 @@ pub fn load_and_use(file: Vec<u8>) -> bool {
         body.deform(&mut tracker, memory, &Serial).expect("an array of the set's length");
         finite("positions", positions.as_flattened());
         if let Ok(at) = set.attach(set.mesh().positions()[n / 2].to_array()) {
-            let _ = body.attached_frame(&at);
+            let _ = body.attached_pose(&at);
         }
     }
     for e in set.examples() {

@@ -1,5 +1,7 @@
 //! Error types. Every error names the wrong value and what would be right.
 
+use super::memory::may_fail;
+
 /// The coarse kind of an [`Error`]. Each kind has one result code in the C interface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
@@ -32,6 +34,8 @@ pub enum ErrorKind {
     OutOfMemory,
     /// The call is not available with the instance's rule.
     WrongRule,
+    /// A contact id that no hit opened, or that was ended.
+    UnknownContact,
     /// A call into the graphics driver failed.
     Vulkan,
     /// The graphics device is lost. Damage is kept.
@@ -177,6 +181,12 @@ pub enum Error {
         /// The instance's rule.
         rule: String,
     },
+    /// A contact id that no hit has, or that was ended.
+    #[error("contact_id is {id}; it must be that of hits of this instance whose contact was not ended")]
+    UnknownContact {
+        /// The id.
+        id: u64,
+    },
     /// A call into the graphics driver failed.
     #[error("{call} answers {result}")]
     Vulkan {
@@ -219,6 +229,7 @@ impl Error {
             Error::DamageMismatch { .. } => ErrorKind::DamageMismatch,
             Error::OutOfMemory { .. } => ErrorKind::OutOfMemory,
             Error::WrongRule { .. } => ErrorKind::WrongRule,
+            Error::UnknownContact { .. } => ErrorKind::UnknownContact,
             Error::Vulkan { .. } | Error::Wgpu { .. } => ErrorKind::Vulkan,
             Error::DeviceLost { .. } => ErrorKind::DeviceLost,
         }
@@ -247,7 +258,7 @@ pub(crate) fn at_least_zero(name: &str, x: f32, unit: &str) -> Result<(), Error>
 /// the caller's input.
 pub(crate) fn reserve<T>(n: usize, what: &str) -> Result<Vec<T>, Error> {
     let mut v = Vec::new();
-    v.try_reserve_exact(n).map_err(|_| Error::OutOfMemory {
+    may_fail(|| v.try_reserve_exact(n)).map_err(|_| Error::OutOfMemory {
         what: what.into(),
         bytes: (n as u64).saturating_mul(std::mem::size_of::<T>() as u64),
     })?;

@@ -35,7 +35,9 @@ pub extern "C" fn crumple_allocator_def_default() -> CrumpleAllocatorDef {
 
 /// Makes the library allocate from your functions, in the whole process, at any time. Null restores the system's
 /// allocator. Each block is freed by the functions that allocated it, so they must stay callable. Destroying all
-/// contexts frees all blocks, except for a few kB per thread of Crumple's own, kept until process exit. Errors:
+/// contexts frees all blocks, except for a few kB per thread of Crumple's own, kept until process exit. If alloc returns
+/// null, the call returns CRUMPLE_ERROR_OUT_OF_MEMORY and changes nothing, or completes with a block of the system's
+/// allocator. Errors:
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (more than 15 different allocators in a process), CRUMPLE_ERROR_UNSUPPORTED (a build
 /// without CRUMPLE_FEATURE_HOST_ALLOCATOR).
 #[unsafe(no_mangle)]
@@ -63,6 +65,7 @@ mod global {
 
     use super::super::result::{CrumpleResult, Failure};
     use super::CrumpleAllocatorDef;
+    use crate::base::memory::{is_fallible, refuse};
     use std::alloc::{GlobalAlloc, Layout, System};
     use std::ffi::c_void;
     use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering::*};
@@ -153,29 +156,40 @@ mod global {
     static GLOBAL: HostAllocator = HostAllocator;
 
     impl HostAllocator {
+        unsafe fn from_host(number: usize, whole: Layout, zeroed: bool) -> *mut u8 {
+            let (alloc, free, user) = functions(number);
+            // SAFETY: the host promised that its functions may be called so.
+            let memory = unsafe { alloc(whole.size(), whole.align(), user) }.cast::<u8>();
+            if !memory.addr().is_multiple_of(whole.align()) {
+                // SAFETY: it came from the line above.
+                unsafe { free(memory.cast(), whole.size(), whole.align(), user) };
+                return std::ptr::null_mut();
+            }
+            if zeroed && !memory.is_null() {
+                // SAFETY: `whole.size()` bytes are there.
+                unsafe { memory.write_bytes(0, whole.size()) };
+            }
+            memory
+        }
+
         unsafe fn take(layout: Layout, zeroed: bool) -> *mut u8 {
             let Some((whole, after)) = whole(layout) else { return std::ptr::null_mut() };
-            let number = CURRENT.load(Acquire);
-            let memory = match (number, zeroed) {
-                // SAFETY: the size is not 0, a number is in it.
-                (0, false) => unsafe { System.alloc(whole) },
-                (0, true) => System.alloc_zeroed(whole),
-                _ => {
-                    let (alloc, free, user) = functions(number);
-                    // SAFETY: the host promised that its functions may be called so.
-                    let memory = unsafe { alloc(whole.size(), whole.align(), user) }.cast::<u8>();
-                    if !memory.addr().is_multiple_of(whole.align()) {
-                        // SAFETY: it came from the line above.
-                        unsafe { free(memory.cast(), whole.size(), whole.align(), user) };
-                        return std::ptr::null_mut();
+            let mut number = CURRENT.load(Acquire);
+            let mut memory = std::ptr::null_mut();
+            if number != 0 {
+                memory = Self::from_host(number, whole, zeroed);
+                if memory.is_null() {
+                    if is_fallible() {
+                        return memory;
                     }
-                    if zeroed && !memory.is_null() {
-                        // SAFETY: `whole.size()` bytes are there.
-                        unsafe { memory.write_bytes(0, whole.size()) };
-                    }
-                    memory
+                    refuse();
+                    number = 0;
                 }
-            };
+            }
+            if number == 0 {
+                // SAFETY: the size is not 0, a number is in it.
+                memory = unsafe { if zeroed { System.alloc_zeroed(whole) } else { System.alloc(whole) } };
+            }
             if !memory.is_null() {
                 // SAFETY: `whole` has room for the number there, aligned.
                 unsafe { memory.add(after).cast::<usize>().write(number) };

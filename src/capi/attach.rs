@@ -33,7 +33,7 @@ pub struct CrumpleAttachment {
 /// The position of an attached point, and its rotation relative to the undamaged mesh.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
-pub struct CrumpleFrame {
+pub struct CrumplePose {
     /// Position, m, in the mesh's space.
     pub position: CrumpleVec3,
     pub rotation: CrumpleQuat,
@@ -58,26 +58,25 @@ pub unsafe extern "C" fn crumple_example_set_attach_point(
     })
 }
 
-/// Returns the position of an attached point on the dented instance, pending hits included. It needs no buffer. Errors:
+/// Returns the pose of an attached point on the dented instance, pending hits included. It needs no buffer. Errors:
 /// CRUMPLE_ERROR_INDEX_OUT_OF_RANGE or CRUMPLE_ERROR_INVALID_ARGUMENT (an attachment of another set, or one not from
 /// crumple_example_set_attach_point()).
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_instance_get_attached_frame(
+pub unsafe extern "C" fn crumple_instance_get_attached_pose(
     context: *mut CrumpleContext,
     instance: CrumpleInstance,
     attachment: *const CrumpleAttachment,
-    out_frame: *mut CrumpleFrame,
+    out_pose: *mut CrumplePose,
 ) -> CrumpleResult {
-    exclusive("crumple_instance_get_attached_frame", context, |_, state| {
-        let (given, out) = (read(attachment, "attachment")?, Out::new(out_frame, "out_frame")?);
+    exclusive("crumple_instance_get_attached_pose", context, |_, state| {
+        let (given, out) = (read(attachment, "attachment")?, Out::new(out_pose, "out_pose")?);
         let instance = &mut state.instances.get_mut(instance, "instance")?.instance;
         let attachment = self::attachment(given, "attachment")?;
         instance.fold();
-        let frame = instance.attached_frame(&attachment)?;
-        let [x, y, z, w] = frame.rotation;
+        let pose = instance.attached_pose(&attachment)?;
+        let [x, y, z, w] = pose.rotation;
         let rotation = CrumpleQuat { x, y, z, w };
-        let frame = CrumpleFrame { position: frame.position.into(), rotation, reserved: [0; 5] };
-        out.write(frame);
+        out.write(CrumplePose { position: pose.position.into(), rotation, reserved: [0; 5] });
         Ok(())
     })
 }

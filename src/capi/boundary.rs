@@ -1,6 +1,7 @@
 //! The one way into the library: panics stop here, and say so in the result instead of on the terminal.
 
 use super::result::{CrumpleResult, Failure, remember};
+use crate::base::memory::{begin_call, was_refused};
 use std::cell::Cell;
 use std::panic::{self, AssertUnwindSafe, PanicHookInfo};
 use std::sync::OnceLock;
@@ -19,6 +20,12 @@ pub(super) fn boundary(call: &'static str, body: impl FnOnce() -> Result<(), Fai
             CrumpleResult::CrumpleErrorInternal
         }
     }
+}
+
+/// Fails if the host's allocator refused a block since the call began. The block is the system's then: not every allocation of
+/// Rust may fail. Calls ask before they keep what they have made, so that a full heap does not fill the system's memory.
+pub(super) fn granted() -> Result<(), Failure> {
+    if was_refused() { Err(Failure::out_of_memory("the call: the host's allocator refused a block")) } else { Ok(()) }
 }
 
 /// Whether `body` succeeds. The last error's text stays.
@@ -54,6 +61,9 @@ struct Inside;
 
 impl Inside {
     fn enter() -> Self {
+        if DEPTH.get() == 0 {
+            begin_call();
+        }
         DEPTH.set(DEPTH.get() + 1);
         Self
     }

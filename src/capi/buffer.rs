@@ -1,19 +1,21 @@
 //! Buffers: memory of the host that deformed vertices are written to.
 
-use super::boundary::succeeds;
+use super::boundary::{granted, succeeds};
 use super::check::{Out, def, zeroed};
 use super::context::{CrumpleContext, exclusive, look_into};
 use super::host_memory::{CrumpleHostBufferDef, HostMemory};
 use super::result::{CrumpleResult, Failure};
 use super::store::{BufferEntry, Memory, State};
 use super::types::{CrumpleBuffer, CrumpleInstance};
+use crate::base::memory::may_fail;
 use crate::deform::Tracker;
 
 /// Adds a buffer to those of its owner.
 pub(super) fn add_buffer(state: &mut State, entry: BufferEntry, out: Out<CrumpleBuffer>) -> Result<(), Failure> {
     let owner = state.instances.get_mut(entry.owner, "instance")?;
     state.buffers.reserve::<CrumpleBuffer>()?;
-    owner.buffers.try_reserve(1).map_err(|_| Failure::out_of_memory("one more buffer"))?;
+    may_fail(|| owner.buffers.try_reserve(1)).map_err(|_| Failure::out_of_memory("one more buffer"))?;
+    granted()?;
     let id = state.buffers.insert(entry);
     owner.buffers.push(id);
     out.write(id);
@@ -42,9 +44,8 @@ pub extern "C" fn crumple_host_buffer_def_default() -> CrumpleHostBufferDef {
 /// Registers your memory for an instance's deformed vertices. The first deform writes every vertex. An instance may
 /// have several buffers, such as a ring. Only crumple_context_deform() touches the memory, which must exist until the
 /// buffer is unregistered or gets other memory, or its instance or context is destroyed, and must not overlap that of
-/// other buffers. While an instance with eight dents or more is being hit, the library holds 24 bytes a vertex for each
-/// of its buffers. Errors: CRUMPLE_ERROR_MESH (normals or tangents that the mesh lacks), CRUMPLE_ERROR_WRONG_RULE (lod
-/// above 0 with a classic rule).
+/// other buffers. Errors: CRUMPLE_ERROR_MESH (normals or tangents that the mesh lacks), CRUMPLE_ERROR_WRONG_RULE (lod above
+/// 0 with a classic rule).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_buffer_register_host(
     context: *mut CrumpleContext,

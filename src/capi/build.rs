@@ -247,8 +247,7 @@ pub(super) fn add_set(
 ) -> Result<(), Failure> {
     state.sets.reserve::<CrumpleExampleSet>()?;
     let set = ExampleSet::build(mesh, examples, options, &Quiet(context.tasks()))?;
-    insert_set(context, state, set, (name, primitives, materials, node_transform), out);
-    Ok(())
+    insert_set(context, state, set, (name, primitives, materials, node_transform), out).map(drop)
 }
 
 pub(super) unsafe fn read_mesh(def: *const CrumpleMeshDef, name: &str) -> Result<MeshData, Failure> {

@@ -3,7 +3,7 @@
 use super::c_enum::{CEnum, number};
 use super::result::{CrumpleResult, Failure};
 use super::types::CrumpleStriker;
-use crate::example::blow::{Striker, StrikerShape};
+use crate::example::blow::Striker;
 use std::ffi::{CStr, c_char};
 use std::mem::MaybeUninit;
 
@@ -232,19 +232,16 @@ pub(super) fn striker(striker: CrumpleStriker, name: &str) -> Result<Striker, Fa
         mass: positive_or(striker.mass, &field("mass"), "kg", "an unknown one")?,
         radius: positive_or(striker.radius, &field("radius"), "m", "an unknown one")?,
         velocity: striker.velocity.known(),
-        shape: shape(striker.shape, &field("shape"))?,
+        shape: enumerator(striker.shape, &field("shape"))?.into(),
     })
-}
-
-/// Reads the shape of a striker.
-pub(super) fn shape(shape: u32, name: &str) -> Result<StrikerShape, Failure> {
-    let known = StrikerShape::ALL.get(shape as usize).copied();
-    known.ok_or_else(|| Failure::invalid(format!("{name} is {shape}; it must be 0 to 4")))
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::hit::crumple_hit_def_default;
+    use super::super::types::CrumpleStrikerShape;
     use super::*;
+    use crate::example::blow::StrikerShape;
 
     #[test]
     fn a_refused_length_names_what_0_stands_for() {
@@ -255,9 +252,10 @@ mod tests {
 
     #[test]
     fn zeros_of_a_striker_are_unknown() {
-        assert_eq!(striker(CrumpleStriker::default(), "striker").ok(), Some(Striker::default()));
+        assert_eq!(striker(crumple_hit_def_default().striker, "striker").ok(), Some(Striker::default()));
         let velocity = [0.0, 0.5, -4.0];
-        let given = CrumpleStriker { mass: 2.5, velocity: velocity.into(), radius: 0.08, shape: 2 };
+        let shape = MaybeUninit::new(CrumpleStrikerShape::Pole);
+        let given = CrumpleStriker { mass: 2.5, velocity: velocity.into(), radius: 0.08, shape, reserved: [0; 2] };
         let known =
             Striker { mass: Some(2.5), velocity: Some(velocity), radius: Some(0.08), shape: StrikerShape::Pole };
         assert_eq!(striker(given, "striker").ok(), Some(known));

@@ -9,7 +9,7 @@ use super::types::{CrumpleAabb, CrumpleBuffer, CrumpleRange};
 
 /// Returns the triangles with a vertex that crumple_buffer_get_changes() returns, as increasing ranges that do not
 /// overlap, in the order of the mesh's indices. out_bounds, which may be null, receives a box around those vertices
-/// before and now, m, for the partial refit of a collider; zeros without changes. The time is linear in the triangles.
+/// before and now, m, for the partial refit of a collider; zeros without changes.
 /// Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (not a host buffer), CRUMPLE_ERROR_MESH (a mesh without indices).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_buffer_get_changed_triangles(

@@ -1,20 +1,18 @@
 //! Contact points of a physics engine, from which the context makes hits.
 
-use super::check::{Out, array, boolean, def, defs, enumerator, shape, write_array, zeroed};
+use super::check::{Out, array, boolean, def, defs, enumerator, zeroed};
 use super::context::{Context, CrumpleContext, StepHit, concurrent};
-use super::hit::CrumpleHitResult;
 use super::result::{CrumpleResult, Failure};
-use super::types::{CrumpleInstance, CrumpleVec3};
-use crate::base::error::reserve;
+use super::types::{CrumpleInstance, CrumpleStrikerShape, CrumpleVec3};
 use crate::contacts::options::{ContactOptions, Impulses};
 use crate::contacts::point::ContactPoint;
 use crate::contacts::report::ContactReport;
 use crate::instance::inbox::Inbox;
-use crate::select::hit::Cause;
 use std::mem::MaybeUninit;
 use std::sync::{Arc, MutexGuard, PoisonError};
 
-/// Options of a context's contacts.
+/// Options of a context's contacts. A touch is what leaves one dent: points of one pair that lie near each other, from the
+/// step in which they first push until the bodies separate or touch_time is over.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleContactOptionsDef {
@@ -23,17 +21,18 @@ pub struct CrumpleContactOptionsDef {
     pub impulses: MaybeUninit<Impulses>,
     /// Factor of the energy of every blow, at least 0. Default 1: what the physics says.
     pub gain: f32,
-    /// Points that approach more slowly leave nothing, m/s. Default -1: a quarter of the speed of the set's slowest
+    /// Points that approach more slowly than this leave nothing, m/s. Default -1: a quarter of the speed of the set's slowest
     /// example, at least 0.5 m/s, which is above what gravity adds in a step of 1/30 s.
     pub min_speed: f32,
-    /// Touches of less energy leave nothing, J. Default -1: a sixteenth of the energy of the set's weakest example.
+    /// Touches of less energy than this leave nothing, J. Default -1: a sixteenth of the energy of the set's weakest example.
     pub min_energy: f32,
-    /// Points of a pair that are nearer to each other make one dent, m, in the mesh's space. Default -1: half of the median
+    /// Points of a pair that are nearer to each other than this are one touch, m, in the mesh's space. Default -1: half of the median
     /// support radius of the set's examples.
     pub dent_radius: f32,
-    /// How long a touch lasts at most, s, above 0. What pushes longer makes another dent, if it is fast enough. Default 0.1.
+    /// How long a touch lasts at most, s, above 0. Bodies that push longer begin another one, if they are fast enough. Default
+    /// 0.1.
     pub touch_time: f32,
-    /// A touch whose pair was not reported for longer than this has ended, s, at least 0. Default 0.05.
+    /// A touch ends when its pair was not reported for longer than this, s, at least 0. Default 0.05.
     pub separation_time: f32,
     /// The most points between two steps, 1 to 16777216. Default 65536.
     pub max_points: u32,
@@ -81,8 +80,8 @@ pub struct CrumpleContactPointDef {
     pub inverse_mass: f32,
     /// Radii of the surfaces of a and b at the point, m: small for a corner, large for a flat face. Default 0: unknown.
     pub radii: [f32; 2],
-    /// Shapes of a and b at the point, as those of CrumpleStriker. Default 0: unknown.
-    pub shapes: [u32; 2],
+    /// Shapes of a and b at the point. Default unknown.
+    pub shapes: [MaybeUninit<CrumpleStrikerShape>; 2],
     /// Factor of the point's energy, for the materials of the pair, at least 0. Default 1.
     pub gain: f32,
 }
@@ -95,7 +94,7 @@ defs!(CrumpleContactOptionsDef, CrumpleContactPointDef);
 pub struct CrumpleContactReport {
     pub points: u64,
     pub hits: u64,
-    /// Touches that began, ended, and last.
+    /// Touches that began, that ended, and that are open after the step.
     pub begun: u64,
     pub ended: u64,
     pub open: u64,
@@ -129,41 +128,6 @@ impl From<&ContactReport> for CrumpleContactReport {
             refused: r.refused,
             refusal: r.refusal.clone().map_or(CrumpleResult::CrumpleOk, |error| Failure::from(error).result),
             reserved: [0; 3],
-        }
-    }
-}
-
-/// A hit that the last step of contacts brought to an instance, for sounds, sparks and scores. If both bodies dent, each
-/// has one.
-#[repr(C)]
-#[derive(Debug, Clone, Copy)]
-pub struct CrumpleContactHit {
-    /// The pair whose points made the hit.
-    pub pair: u64,
-    /// The touch that the hit is a part of; see crumple_instance_get_contact().
-    pub contact_id: u64,
-    pub instance: CrumpleInstance,
-    /// Where the instance was hit, m, in world space.
-    pub point: CrumpleVec3,
-    /// The impulse on the instance, N s, in world space.
-    pub impulse: CrumpleVec3,
-    /// The effect of this hit alone.
-    pub result: CrumpleHitResult,
-}
-
-impl From<&StepHit> for CrumpleContactHit {
-    fn from(StepHit { pair, instance, hit, outcome }: &StepHit) -> Self {
-        let impulse = match &hit.cause {
-            Cause::Impulse { blow, .. } => blow.impulse.unwrap_or_default(),
-            Cause::Displacement(_) => [0.0; 3],
-        };
-        CrumpleContactHit {
-            pair: *pair,
-            contact_id: hit.contact.map_or(0, u64::from),
-            instance: *instance,
-            point: hit.point.into(),
-            impulse: impulse.into(),
-            result: outcome.into(),
         }
     }
 }
@@ -214,10 +178,10 @@ pub extern "C" fn crumple_contact_point_def_default() -> CrumpleContactPointDef 
 }
 
 /// Takes contact points of the current step of the physics: all, or none if one is wrong. Report every point of every
-/// pair, also of bodies that rest or slide, and call crumple_context_step_contacts() after the step: all points of one
-/// place make one dent, at any rate of steps, and what rests, rolls, slides or jitters makes none. Two instances share
-/// the energy of a blow by how they give way. Any thread. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (names the point and
-/// its part; also more than max_points since the last step), CRUMPLE_ERROR_WRONG_RULE (a classic rule).
+/// pair, also of bodies that rest or slide, and call crumple_context_step_contacts() after the step. A touch leaves one
+/// dent, at any rate of steps. Bodies that rest, roll, slide or jitter leave none. Two instances share the energy of a
+/// blow, and the one that gives way more easily takes more. Any thread. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (names the
+/// point and its field; also more than max_points since the last step), CRUMPLE_ERROR_WRONG_RULE (a classic rule).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_report_contacts(
     context: *mut CrumpleContext,
@@ -230,9 +194,10 @@ pub unsafe extern "C" fn crumple_context_report_contacts(
     })
 }
 
-/// Ends a step of the physics that lasted so many seconds: turns the points reported since the last call into hits,
-/// which the next read of the damage applies. Call it once after each step, also if nothing touched. Their contact ids
-/// are 2^63 and above; give other ids to your own hits. out_report may be null. Any thread.
+/// Ends a step of the physics that lasted so many seconds. It turns the points reported since the last call into hits,
+/// which the next read of the damage applies; crumple_context_get_contact_hits() in crumple_contacts.h returns them. Call
+/// it once after each step, also if nothing touched. These hits have contact ids of 2^63 and above; give smaller ids to
+/// your own. out_report may be null. Any thread.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_step_contacts(
     context: *mut CrumpleContext,
@@ -260,38 +225,8 @@ pub unsafe extern "C" fn crumple_context_step_contacts(
     })
 }
 
-/// Returns the hits that the last crumple_context_step_contacts() brought to instances, in no particular order. Ask after each
-/// step; there are at most as many as its report's hits. hits has room for capacity hits; see "Arrays" at the top. Any thread.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_context_get_contact_hits(
-    context: *mut CrumpleContext,
-    hits: *mut CrumpleContactHit,
-    capacity: u32,
-    out_count: *mut u32,
-) -> CrumpleResult {
-    concurrent("crumple_context_get_contact_hits", context, |context| {
-        let out = Out::new(out_count, "out_count")?;
-        let told = contact_hits(context);
-        let mut found = reserve(told.len(), "hits")?;
-        found.extend(told.iter().map(CrumpleContactHit::from));
-        write_array(&found, hits, capacity as usize, "hits", out)
-    })
-}
-
-fn contact_hits(context: &Context) -> MutexGuard<'_, Vec<StepHit>> {
+pub(super) fn contact_hits(context: &Context) -> MutexGuard<'_, Vec<StepHit>> {
     context.contact_hits.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// Returns the sums of all steps' reports; open is that of the last step. Any thread.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_context_get_contact_totals(
-    context: *mut CrumpleContext,
-    out_report: *mut CrumpleContactReport,
-) -> CrumpleResult {
-    concurrent("crumple_context_get_contact_totals", context, |context| {
-        Out::new(out_report, "out_report")?.write((&context.contacts.totals()).into());
-        Ok(())
-    })
 }
 
 /// Ends all touches and forgets the points that wait, as after loading a saved game. Dents stay. Any thread.
@@ -326,8 +261,8 @@ unsafe fn read(context: &Context, def: &CrumpleContactPointDef, i: usize) -> Res
         inverse_mass: known(def.inverse_mass),
         radii: def.radii.map(known),
         shapes: [
-            shape(def.shapes[0], "shapes[0]").map_err(|f| of(i, f))?,
-            shape(def.shapes[1], "shapes[1]").map_err(|f| of(i, f))?,
+            enumerator(def.shapes[0], "shapes[0]").map_err(|f| of(i, f))?.into(),
+            enumerator(def.shapes[1], "shapes[1]").map_err(|f| of(i, f))?.into(),
         ],
         gain: def.gain,
         ..ContactPoint::new(def.pair, bodies, def.point.array(), def.normal.array())

@@ -1,6 +1,6 @@
 //! The context: everything an engine makes, its threads, and who may be inside when.
 
-use super::boundary::boundary;
+use super::boundary::{boundary, granted};
 use super::check::{Out, def, defs, zeroed};
 use super::ids::Slots;
 use super::result::{CrumpleResult, Failure};
@@ -145,6 +145,7 @@ impl Context {
             let inbox = inboxes.get(*instance, &format!("instances[{i}]"))?;
             prepared.push((inbox, inbox.prepare(hit).map_err(|error| Failure::from(error).of_hit(i))?));
         }
+        granted()?;
         let mut outcomes = reserve(hits.len(), "hits")?;
         for (inbox, (outcome, pending)) in prepared {
             inbox.queue_prepared(pending);
@@ -236,6 +237,7 @@ pub unsafe extern "C" fn crumple_context_create(
             contacts: ContactLayer::new(ContactOptions::default())?,
             contact_hits: Mutex::default(),
         };
+        granted()?;
         contexts.last = number;
         contexts.live.push((number * STEP, Arc::new(context)));
         out.write(std::ptr::without_provenance_mut(number * STEP));

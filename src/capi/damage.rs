@@ -1,5 +1,6 @@
 //! Damage: read, replaced, saved, repaired, copied.
 
+use super::boundary::granted;
 use super::check::{Out, array, finite, write_array};
 use super::context::{CrumpleContext, exclusive};
 use super::result::{CrumpleResult, Failure};
@@ -72,12 +73,16 @@ pub unsafe extern "C" fn crumple_instance_load_damage(
 ) -> CrumpleResult {
     exclusive("crumple_instance_load_damage", context, |_, state| {
         let bytes = array(data.cast::<u8>(), size, "data")?;
-        Ok(state.instances.get_mut(instance, "instance")?.instance.load(bytes)?)
+        let instance = &mut state.instances.get_mut(instance, "instance")?.instance;
+        let saved = instance.read(bytes)?;
+        granted()?;
+        instance.become_saved(saved);
+        Ok(())
     })
 }
 
-/// Saves the damage of count instances, or of all instances of the context by increasing index if instances is null and
-/// count 0, as one piece of bytes.
+/// Saves the damage of count instances together, or of all instances of the context by increasing index if instances is
+/// null and count 0.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_save_damage(
     context: *mut CrumpleContext,
@@ -100,9 +105,9 @@ pub unsafe extern "C" fn crumple_context_save_damage(
     })
 }
 
-/// Replaces the damage of count instances, or of all, with that of crumple_context_save_damage(), which was given
-/// instances of the same sets in the same order. Otherwise like crumple_instance_load_damage() for each of them; after
-/// an error no instance has changed. CRUMPLE_ERROR_DAMAGE_MISMATCH: also another number of instances.
+/// Replaces the damage of count instances, or of all, with bytes of crumple_context_save_damage() for instances of the same
+/// sets in the same order. Otherwise like crumple_instance_load_damage() for each of them. After an error no instance has
+/// changed. CRUMPLE_ERROR_DAMAGE_MISMATCH: also another number of instances.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_load_damage(
     context: *mut CrumpleContext,
@@ -119,6 +124,7 @@ pub unsafe extern "C" fn crumple_context_load_damage(
             let instance = &state.instances.get(*id, &format!("instances[{i}]"))?.instance;
             read.push(instance.read(bytes).map_err(|error| of(i, error))?);
         }
+        granted()?;
         for (id, saved) in ids.into_iter().zip(read) {
             state.instances.get_mut(id, "instances")?.instance.become_saved(saved);
         }
@@ -140,7 +146,7 @@ unsafe fn listed(
     Ok(if all { state.instances.iter().map(|(id, _)| id).collect() } else { given.to_vec() })
 }
 
-/// Repairs an instance. Every dent keeps this share of its depth: 0 (as new) to 1 (unchanged). Ends contacts.
+/// Repairs an instance. Every dent keeps a share of its depth, keep: 0 (as new) to 1 (unchanged). Ends contacts.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_repair_damage(
     context: *mut CrumpleContext,
@@ -153,9 +159,9 @@ pub unsafe extern "C" fn crumple_instance_repair_damage(
     })
 }
 
-/// Repairs an instance around a point of the mesh's space, m, as with a hammer. A dent whose contact is at the point
-/// keeps this share of its depth, 0 to 1, and one at radius, m, all of it. A dent is repaired as a whole, also where it
-/// reaches beyond the radius. Ends contacts. CRUMPLE_ERROR_WRONG_RULE: a classic rule.
+/// Repairs an instance around a point of the mesh's space, m, as with a hammer. A dent whose contact is at the point keeps
+/// a share of its depth, keep (0 to 1). Dents further away keep more, and those at radius, m, all of it. A dent is
+/// repaired as a whole, also where it reaches beyond the radius. Ends contacts. CRUMPLE_ERROR_WRONG_RULE: a classic rule.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_repair_around(
     context: *mut CrumpleContext,
@@ -185,7 +191,8 @@ pub unsafe extern "C" fn crumple_instance_reset_damage(
 }
 
 /// Replaces an instance's damage with that of source, which needs an equal set and the same kind of rule. Discards
-/// pending hits and ends contacts. From itself: does nothing. CRUMPLE_ERROR_DAMAGE_MISMATCH: another set or rule.
+/// pending hits and ends contacts. If source is the instance itself, nothing happens. CRUMPLE_ERROR_DAMAGE_MISMATCH:
+/// another set or rule.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_copy_damage(
     context: *mut CrumpleContext,

@@ -12,6 +12,7 @@ use super::tasks::Quiet;
 use super::types::{CrumpleAabb, CrumpleBuffer, CrumpleInstance, CrumpleRange};
 use crate::base::error::reserve;
 use crate::base::math::Aabb;
+use crate::base::memory::may_fail;
 use crate::instance::deform::{DeformJob, deform_within};
 use std::ops::Range;
 
@@ -28,26 +29,9 @@ pub struct CrumpleDeformReport {
     pub reserved: [u64; 3],
 }
 
-/// Limits how many vertices a deform, recording, submit or plan writes, for frames with more hits than time; 0, as at
-/// first: no limit. A buffer is written whole or not at all, and at least one is written. Those whose waiting would be
-/// seen most come first, by their vertices, how long they have waited, and how near they are
-/// (crumple_instance_set_view()). The others follow in later calls, with the same vertices. A buffer that does not show
-/// its instance yet never waits.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_context_set_vertex_budget(
-    context: *mut CrumpleContext,
-    vertices: u64,
-) -> CrumpleResult {
-    exclusive("crumple_context_set_vertex_budget", context, |_, state| {
-        state.vertex_budget = vertices;
-        Ok(())
-    })
-}
-
 /// Writes what changed since the last write of count host buffers, or of all host buffers of the context if buffers is
-/// null and count 0, in parallel. It is cheap without changes. With null and 0 it also applies the pending hits of
-/// instances without a buffer, so that damage does not depend on which bodies are visible. Nobody else may read or
-/// write the memory during the call. out_report may be null. CRUMPLE_ERROR_INVALID_ARGUMENT (no vertex was written): a
+/// null and count 0, in parallel. With null and 0 it also applies the pending hits of instances without a buffer, so that
+/// damage does not depend on which bodies are visible. Nobody else may read or write the memory during the call. out_report may be null. CRUMPLE_ERROR_INVALID_ARGUMENT (no vertex was written): a
 /// buffer twice, not a host buffer, or overlapping memory in debug builds.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_context_deform(
@@ -72,7 +56,8 @@ pub unsafe extern "C" fn crumple_context_deform(
         }
         chosen.fold(instances, entries.iter::<CrumpleBuffer>().filter(of_host))?;
         let mut jobs = recycled(std::mem::take(kept));
-        jobs.try_reserve(chosen.most(entries.len())).map_err(|_| Failure::out_of_memory("the list of jobs"))?;
+        may_fail(|| jobs.try_reserve(chosen.most(entries.len())))
+            .map_err(|_| Failure::out_of_memory("the list of jobs"))?;
         for (_, entry) in entries.iter_mut::<CrumpleBuffer>().filter(|(id, _)| chosen.names(*id)) {
             let Memory::Host(memory, tracker) = &mut entry.memory else { continue };
             jobs.push(DeformJob {
@@ -117,7 +102,7 @@ impl<'a> Chosen<'a> {
         check: impl Fn(CrumpleBuffer, &str) -> Result<(), Failure>,
     ) -> Result<Self, Failure> {
         room.clear();
-        room.try_reserve(given.len()).map_err(|_| Failure::out_of_memory("the list of buffers"))?;
+        may_fail(|| room.try_reserve(given.len())).map_err(|_| Failure::out_of_memory("the list of buffers"))?;
         for (i, &id) in given.iter().enumerate() {
             check(id, &format!("buffers[{i}]"))?;
             room.push(id);
@@ -202,9 +187,9 @@ pub(super) fn c_ranges(ranges: &[Range<u32>]) -> Result<Vec<CrumpleRange>, Failu
     Ok(found)
 }
 
-/// Returns the vertices written by the last deform or recording that included the buffer, by id or with null and 0, as
-/// increasing ranges that do not overlap. out_bounds, which may be null, receives the bounds of all vertices, m; they
-/// may be too large for a buffer on a device. Use both for uploads, refits and culling.
+/// Returns the vertices written by the last deform or recording that named the buffer or all buffers, as increasing ranges
+/// that do not overlap. out_bounds, which may be null, receives the bounds of all vertices, m; they may be too large for a
+/// buffer on a device. Use both for uploads, refits and culling.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_buffer_get_changes(
     context: *mut CrumpleContext,

@@ -2,7 +2,7 @@
 
 use super::c_enum::c_enums;
 use super::check::{Out, array, def, defs, enumerator, finite, positive_or, striker, zeroed};
-use super::context::{CrumpleContext, concurrent, exclusive};
+use super::context::{CrumpleContext, concurrent};
 use super::result::{CrumpleResult, Failure};
 use super::types::{CrumpleInstance, CrumpleStriker, CrumpleVec3};
 use crate::base::error::reserve;
@@ -17,16 +17,16 @@ use std::num::NonZeroU64;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(dead_code)] // made by C
 pub enum CrumpleHitKind {
-    /// As a blow: by its impulse, or by the mass and velocity of the striker. If any example of the set knows its blow,
-    /// the set predicts the displacement of the contact: give as much of the blow as the engine knows. Otherwise the
-    /// displacement is impulse * the instance's compliance, or impulse * duration / mass. The default.
+    /// As a blow: by its impulse, or by the mass and velocity of the striker. If the set has examples with blows
+    /// (blow_count), it predicts the displacement of the contact: give as much of the blow as the engine knows. Otherwise
+    /// the displacement is impulse * the instance's compliance, or impulse * duration / mass. The default.
     Blow = 0,
     /// As the displacement of the contact, for engines with their own impulse-to-depth mapping. The dent does not depend
     /// on the frame rate. The fields of blows are unused.
     Displacement = 1,
 }
 
-/// A hit. Report a contact once with its whole impulse, or in parts with a contact_id.
+/// A hit. Report a blow once with its whole impulse, or as several hits with the same contact_id.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleHitDef {
@@ -40,15 +40,15 @@ pub struct CrumpleHitDef {
     pub displacement: CrumpleVec3,
     /// The impulse on the body, N s. Default 0: striker.mass * striker.velocity. If that is 0 too, there is no mark.
     pub impulse: CrumpleVec3,
-    /// How long the impulse acted, s: a constant of the material such as 0.01, not the time step. Required if no example
-    /// knows its blow and the instance has no compliance.
+    /// How long the impulse acted, s: a constant of the material such as 0.01, not the time step. Required if the set's
+    /// blow_count is 0 and the instance has no compliance.
     pub duration: f32,
     /// Mass of the contact vertex, kg, for impulse * duration / mass. Default 0: the set's mass for that vertex.
     pub mass: f32,
     /// Contact normal, out of the body, of any length. Default 0: unknown.
     pub normal: CrumpleVec3,
     pub striker: CrumpleStriker,
-    /// The contact that the hit is part of; see crumple_instance_end_contact(). Default 0: none.
+    /// The contact that the hit belongs to; see crumple_contacts.h. Default 0: none.
     pub contact_id: u64,
 }
 
@@ -91,14 +91,14 @@ pub struct CrumpleHitResult {
     pub chosen: [CrumpleChosen; 4],
     /// The mark. All zero if the hit leaves none.
     pub mark: Mark,
-    /// The relative L2 error that is expected of the dent, if the set has learned to predict it; 1 is the error of no dent at all.
-    /// Else 0. Where it is large, one more example would help.
+    /// Expected error of the dent relative to its size (L2): 0 exact, 1 as wrong as no dent. 0 if the set has not learned to
+    /// predict it. Where it is large, one more example helps.
     pub expected_error: f32,
     pub reserved: [u32; 7],
 }
 
 impl CrumpleHitResult {
-    fn nothing() -> Self {
+    pub(super) fn nothing() -> Self {
         let zero = [0.0; 3];
         CrumpleHitResult::from(&Outcome {
             status: HitStatus::BelowYield,
@@ -221,49 +221,6 @@ pub unsafe extern "C" fn crumple_instance_preview_hit(
         out.write((&outcome).into());
         Ok(())
     })
-}
-
-/// Ends a contact. Its dent stays; later hits with the same id begin a new one. Contacts are for engines that report
-/// one contact as many small impulses and do not use crumple_context_report_contacts(). Give these hits the same
-/// contact_id, any number but 0, and end the contact when the bodies separate. Together they make one dent, that of
-/// their sum at the mean of their points, at any frame rate. Yield thresholds and depth limit apply to the sum. Ending
-/// an unknown id is not an error. Contacts also end when the damage is set, loaded, copied to the instance, repaired or
-/// reset, and the one hit longest ago when more than 256 are open. Any thread. CRUMPLE_ERROR_WRONG_RULE: a classic
-/// rule.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_instance_end_contact(
-    context: *mut CrumpleContext,
-    instance: CrumpleInstance,
-    contact_id: u64,
-) -> CrumpleResult {
-    concurrent("crumple_instance_end_contact", context, |context| {
-        let id = contact(contact_id)?;
-        context.deliver(instance, |inbox| inbox.end_contact(id))
-    })
-}
-
-/// Returns the result of all hits of a contact taken as one. The contact is open, or one of the 256 that ended last. If
-/// there is none, or the sum is too weak, the status is CRUMPLE_HIT_STATUS_BELOW_YIELD. CRUMPLE_ERROR_WRONG_RULE: a
-/// classic rule.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_instance_get_contact(
-    context: *mut CrumpleContext,
-    instance: CrumpleInstance,
-    contact_id: u64,
-    out_result: *mut CrumpleHitResult,
-) -> CrumpleResult {
-    exclusive("crumple_instance_get_contact", context, |_, state| {
-        let (out, id) = (Out::new(out_result, "out_result")?, contact(contact_id)?);
-        let found = state.instances.get_mut(instance, "instance")?.instance.contact(id)?;
-        let result = found.as_ref().map_or_else(CrumpleHitResult::nothing, CrumpleHitResult::from);
-        out.write(result);
-        Ok(())
-    })
-}
-
-fn contact(id: u64) -> Result<NonZeroU64, Failure> {
-    NonZeroU64::new(id)
-        .ok_or_else(|| Failure::invalid("contact_id is 0; it must be the id that hits were given, not 0"))
 }
 
 unsafe fn read_hit(def: *const CrumpleHitDef) -> Result<Hit, Failure> {

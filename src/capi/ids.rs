@@ -4,6 +4,7 @@
 
 use super::result::{CrumpleResult, Failure};
 use super::types::{CrumpleBuffer, CrumpleExampleSet, CrumpleInstance};
+use crate::base::memory::may_fail;
 
 /// An id by value.
 pub(super) trait Id: Copy {
@@ -60,8 +61,8 @@ impl<T> Slots<T> {
         }
         let full =
             |_| Failure::new(CrumpleResult::CrumpleErrorOutOfMemory, format!("no memory for one more {}", I::NOUN));
-        self.slots.try_reserve(1).map_err(full)?;
-        self.free.try_reserve(self.slots.len() + 1).map_err(full)
+        may_fail(|| self.slots.try_reserve(1)).map_err(full)?;
+        may_fail(|| self.free.try_reserve(self.slots.len() + 1)).map_err(full)
     }
 
     /// Adds a thing; call `reserve` before.

@@ -1,6 +1,6 @@
 //! Instances: bodies in the scene.
 
-use super::boundary::succeeds;
+use super::boundary::{granted, succeeds};
 use super::check::{Out, def, defs, enumerator, finite, positive_or, read, zeroed};
 use super::context::{CrumpleContext, concurrent, exclusive, find};
 use super::result::{CrumpleResult, Failure};
@@ -31,7 +31,7 @@ pub struct CrumpleInstanceDef {
     pub mark_capacity: u32,
     /// No vertex moves further than this, m. Default 0: the set's limit.
     pub depth_limit: f32,
-    /// Impulses shorter than this leave no mark, N s, in the hit's space. Default 0.
+    /// Impulses shorter than this leave no mark, N s, in the space of the hit. Default 0.
     pub yield_impulse: f32,
     /// Hits with a target displacement shorter than this leave no mark, m, in the mesh's space. Default 0.
     pub yield_displacement: f32,
@@ -40,10 +40,10 @@ pub struct CrumpleInstanceDef {
     pub max_contact_distance: f32,
     /// Constant of CRUMPLE_RULE_BLEND, 0 to 1. Default 0.
     pub blend_constant: f32,
-    /// How far a blow of 1 N s moves its contact, m per N s, if no example of the set knows its blow. duration and mass of
-    /// impulses are then unused. Default 0: duration / mass.
+    /// How far a blow of 1 N s moves its contact, m per N s, if the set's blow_count is 0. duration and mass of hits
+    /// are then unused. Default 0: duration / mass.
     pub compliance: f32,
-    /// How long a dent takes to appear, to deepen or to be repaired, s; see crumple_context_set_time(). Default 0: none.
+    /// How long a dent takes to appear, to deepen or to be repaired, s; see crumple_context_set_time() in crumple_view.h. Default 0: none.
     pub grow_time: f32,
     /// Transform; see crumple_instance_set_transform(). Default the identity.
     pub local_to_world: [f32; 16],
@@ -57,15 +57,16 @@ defs!(CrumpleInstanceDef);
 pub struct CrumpleInstanceInfo {
     /// The set that it was created with. The id is invalid if the set was destroyed.
     pub set: CrumpleExampleSet,
-    /// Memory of the instance, bytes, without the set and without your buffers.
+    /// Memory of the instance, bytes, without the set, and without what is kept for its buffers.
     pub memory_bytes: u64,
     /// Number of marks; 0 with a classic rule.
     pub mark_count: u32,
     pub buffer_count: u32,
+    /// No vertex moves further than this, m.
     pub depth_limit: f32,
-    /// Number of open contacts; see crumple_instance_end_contact().
+    /// Number of open contacts; see crumple_contacts.h.
     pub contact_count: u32,
-    /// Number for the marks: equal marks have equal revisions, on all machines. 0 without marks.
+    /// A hash of the marks: equal marks have equal revisions, on all machines. 0 without marks.
     pub revision: u64,
     pub reserved: [u32; 2],
 }
@@ -99,6 +100,7 @@ pub unsafe extern "C" fn crumple_instance_create(
         let mut inboxes = context.inboxes.write().unwrap_or_else(PoisonError::into_inner);
         state.instances.reserve::<CrumpleInstance>()?;
         inboxes.reserve::<CrumpleInstance>()?;
+        granted()?;
         let inbox: CrumpleInstance = inboxes.insert(instance.inbox().clone());
         let id = state.instances.insert(InstanceEntry {
             instance,
@@ -251,46 +253,5 @@ pub unsafe extern "C" fn crumple_instance_set_depth_limit(
     exclusive("crumple_instance_set_depth_limit", context, |_, state| {
         let limit = positive_or(depth_limit, "depth_limit", "m", SET_LIMIT)?;
         Ok(state.instances.get_mut(instance, "instance")?.instance.set_depth_limit(limit)?)
-    })
-}
-
-/// Sets the time, s, for instances with a grow_time. Call it once a frame before deforming. Vertices and attached
-/// points of a dent that appears, changes or is repaired go evenly to where its mark puts them, from the time that was
-/// set when the change was read. Marks change at once, and so does damage that is set, loaded, copied or reset.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_context_set_time(context: *mut CrumpleContext, time: f64) -> CrumpleResult {
-    exclusive("crumple_context_set_time", context, |_, state| {
-        if !time.is_finite() {
-            return Err(crate::base::error::Error::NotFinite { name: "time".into(), value: time.to_string() }.into());
-        }
-        state.time = time;
-        for (_, entry) in state.instances.iter_mut::<CrumpleInstance>() {
-            entry.instance.set_time(time)?;
-        }
-        Ok(())
-    })
-}
-
-/// Chooses how finely to show an instance where errors of so many pixels do not matter, such as 0.5. out_lod, which may
-/// be null, receives the level of detail to show: the coarsest whose mean edge covers at most 16 * pixels on screen.
-/// Under a vertex budget, near instances wait less than distant ones. distance, m, in the mesh's space: from the camera
-/// to the nearest point of the instance. fov_y: the vertical field of view, radians. viewport_height:
-/// pixels. Cheap; call it every frame. Not for sets whose further meshes are parts of the body.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn crumple_instance_set_view(
-    context: *mut CrumpleContext,
-    instance: CrumpleInstance,
-    pixels: f32,
-    distance: f32,
-    fov_y: f32,
-    viewport_height: f32,
-    out_lod: *mut u32,
-) -> CrumpleResult {
-    exclusive("crumple_instance_set_view", context, |_, state| {
-        let out = Out::optional(out_lod, "out_lod")?;
-        let instance = &mut state.instances.get_mut(instance, "instance")?.instance;
-        let lod = instance.set_view(pixels, distance, fov_y, viewport_height)?;
-        out.write(lod as u32);
-        Ok(())
     })
 }

@@ -7,6 +7,7 @@ use super::result::Failure;
 use super::store::{BufferEntry, InstanceEntry, Memory};
 use super::types::CrumpleBuffer;
 use super::vulkan_types::CrumpleRecordReport;
+use crate::base::memory::may_fail;
 use crate::gpu::{FrameReport, Job};
 use crate::{graph, vulkan};
 
@@ -52,7 +53,7 @@ pub(super) fn with_jobs<T: DeviceTarget, R>(
     let written = |(id, entry): &(CrumpleBuffer, &BufferEntry)| T::is_of(&entry.memory) && chosen.names(*id);
     chosen.fold(instances, entries.iter::<CrumpleBuffer>().filter(written))?;
     let mut jobs = recycled(std::mem::take(&mut lists.jobs));
-    jobs.try_reserve(most).map_err(|_| Failure::out_of_memory("the list of jobs"))?;
+    may_fail(|| jobs.try_reserve(most)).map_err(|_| Failure::out_of_memory("the list of jobs"))?;
     for (id, entry) in entries.iter_mut::<CrumpleBuffer>() {
         let Some(target) = T::of(&mut entry.memory) else { continue };
         if chosen.names(id) {

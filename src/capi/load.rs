@@ -228,12 +228,12 @@ unsafe fn add_imported(
     for mesh in meshes {
         set.add_lod(mesh, &tasks)?;
     }
-    let id = insert_set(context, state, set, file, out);
+    let id = insert_set(context, state, set, file, out)?;
     state.sets.get_mut(id, "set")?.parts = parts.into_iter().map(|part| part.name).collect();
     Ok(())
 }
 
-/// Returns the vertices and triangles of the part with an index below primitive_count.
+/// Returns the vertices and triangles of the primitive with an index below primitive_count.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_example_set_get_primitive(
     context: *mut CrumpleContext,

@@ -51,6 +51,12 @@ mod attach;
 mod colliders;
 mod parts;
 
+// crumple_contacts.h
+mod contact_ids;
+
+// crumple_view.h
+mod view;
+
 // crumple_host.h
 mod allocator;
 mod share;
@@ -83,9 +89,9 @@ mod thread_tests;
 #[doc(hidden)]
 pub mod entry_points {
     pub use super::{
-        allocator::*, attach::*, buffer::*, build::*, colliders::*, contacts::*, context::*, damage::*, deform::*,
-        example_info::*, graph::*, graph_types::*, hit::*, host_memory::*, instance::*, keep_out::*, load::*,
-        map_damage::*, memory::*, parts::*, primitive::*, result::*, set::*, set_info::*, share::*, tasks::*, types::*,
-        version::*, vulkan::*, vulkan_types::*,
+        allocator::*, attach::*, buffer::*, build::*, colliders::*, contact_ids::*, contacts::*, context::*, damage::*,
+        deform::*, example_info::*, graph::*, graph_types::*, hit::*, host_memory::*, instance::*, keep_out::*,
+        load::*, map_damage::*, memory::*, parts::*, primitive::*, result::*, set::*, set_info::*, share::*, tasks::*,
+        types::*, version::*, view::*, vulkan::*, vulkan_types::*,
     };
 }

@@ -8,10 +8,10 @@ use super::types::{CrumpleBuffer, CrumpleInstance};
 use std::mem::MaybeUninit;
 use std::sync::PoisonError;
 
-/// Takes a part off a body: mesh part of the set, a number from crumple_example_set_add_lod(). The base mesh is then the
-/// whole body, and each part has vertices at the positions of base vertices. out_part receives an instance of its own
-/// with the same options, transform and damage, and the body's buffers of the mesh become that instance's. Hits on it
-/// land only on the part. Hits on the body land only on what is left. The call indexes the base mesh. Errors:
+/// Takes a part off a body. part is the number of a mesh of the set (crumple_example_set_add_lod()) whose vertices lie at
+/// positions of base vertices; the base mesh is the whole body. out_part receives a new instance with the same options,
+/// transform and damage. The body's buffers of that mesh become the new instance's. Hits on the new instance reach only
+/// the part, and hits on the body only what is left of it. The call indexes the base mesh. Errors:
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (0, a part that is off already, the last part, a mesh without base vertices of its own),
 /// CRUMPLE_ERROR_WRONG_RULE.
 #[unsafe(no_mangle)]
@@ -79,10 +79,10 @@ pub unsafe extern "C" fn crumple_instance_set_part_rigid(
     })
 }
 
-/// Measures how far the vertices of mesh lod have moved, m: the furthest, and their mean. out_energy receives the depth of
-/// one hit that has the energy of all marks whose contact is on the mesh, m; it grows with every hit. Dents count in full
-/// while they grow, so all are equal on all machines. Takes about as long as a deform of
-/// the whole mesh. Any output may be null.
+/// Measures how far the vertices of mesh lod have moved, m: the furthest, and their mean. out_equivalent_depth receives the
+/// depth of the single hit that does as much damage as all marks whose contact is on the mesh, m; it grows with every hit.
+/// Growing dents count in full, so the results are equal on all machines. The call computes every vertex of the mesh. Any
+/// output may be null.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_instance_measure_part(
     context: *mut CrumpleContext,
@@ -90,15 +90,15 @@ pub unsafe extern "C" fn crumple_instance_measure_part(
     lod: u32,
     out_deepest: *mut f32,
     out_mean: *mut f32,
-    out_energy: *mut f32,
+    out_equivalent_depth: *mut f32,
 ) -> CrumpleResult {
     exclusive("crumple_instance_measure_part", context, |_, state| {
         let outs = (Out::optional(out_deepest, "out_deepest")?, Out::optional(out_mean, "out_mean")?);
-        let energy = Out::optional(out_energy, "out_energy")?;
+        let equivalent = Out::optional(out_equivalent_depth, "out_equivalent_depth")?;
         let damage = state.instances.get_mut(instance, "instance")?.instance.measure(lod as usize)?;
         outs.0.write(damage.deepest);
         outs.1.write(damage.mean);
-        energy.write(damage.energy);
+        equivalent.write(damage.energy);
         Ok(())
     })
 }

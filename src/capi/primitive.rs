@@ -3,7 +3,7 @@
 use std::ffi::c_char;
 use std::ops::Range;
 
-/// A part of the mesh with its own material. material is its name (UTF-8, valid until the set is destroyed) or null.
+/// A stretch of the mesh with one material. material is its name (UTF-8, valid until the set is destroyed) or null.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumplePrimitive {

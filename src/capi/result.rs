@@ -42,6 +42,8 @@ pub enum CrumpleResult {
     CrumpleErrorVulkan = 15,
     /// The Vulkan device is lost. Damage is not lost.
     CrumpleErrorDeviceLost = 16,
+    /// A contact id that no hit has, or that was ended.
+    CrumpleErrorUnknownContact = 17,
     CrumpleErrorNullPointer = 64,
     /// The struct_size of a def is wrong. Start from the def's crumple_..._def_default function.
     CrumpleErrorStructSize = 65,
@@ -56,7 +58,7 @@ pub enum CrumpleResult {
 }
 
 /// All results with their names.
-const NAMES: [(CrumpleResult, &CStr); 23] = {
+const NAMES: [(CrumpleResult, &CStr); 24] = {
     use CrumpleResult::*;
     [
         (CrumpleOk, c"CRUMPLE_OK"),
@@ -76,6 +78,7 @@ const NAMES: [(CrumpleResult, &CStr); 23] = {
         (CrumpleErrorWrongRule, c"CRUMPLE_ERROR_WRONG_RULE"),
         (CrumpleErrorVulkan, c"CRUMPLE_ERROR_VULKAN"),
         (CrumpleErrorDeviceLost, c"CRUMPLE_ERROR_DEVICE_LOST"),
+        (CrumpleErrorUnknownContact, c"CRUMPLE_ERROR_UNKNOWN_CONTACT"),
         (CrumpleErrorNullPointer, c"CRUMPLE_ERROR_NULL_POINTER"),
         (CrumpleErrorStructSize, c"CRUMPLE_ERROR_STRUCT_SIZE"),
         (CrumpleErrorInvalidId, c"CRUMPLE_ERROR_INVALID_ID"),
@@ -141,6 +144,7 @@ impl From<crate::base::error::Error> for Failure {
             ErrorKind::WrongRule => CrumpleErrorWrongRule,
             ErrorKind::Vulkan => CrumpleErrorVulkan,
             ErrorKind::DeviceLost => CrumpleErrorDeviceLost,
+            ErrorKind::UnknownContact => CrumpleErrorUnknownContact,
         };
         Self::new(result, error.to_string())
     }

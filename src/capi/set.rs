@@ -1,11 +1,11 @@
 //! Example sets: loaded from baked files, shared, destroyed.
 
-use super::boundary::succeeds;
+use super::boundary::{granted, succeeds};
 use super::c_enum::c_enums;
 use super::check::{Out, array, enumerator, required_string};
 use super::context::{Context, CrumpleContext, CrumpleLogLevel, exclusive, look_into};
 use super::primitive::CrumplePrimitive;
-use super::result::CrumpleResult;
+use super::result::{CrumpleResult, Failure};
 use super::store::{SetEntry, State};
 use super::tasks::Quiet;
 use super::types::CrumpleExampleSet;
@@ -46,8 +46,7 @@ pub unsafe extern "C" fn crumple_example_set_load_baked_memory(
         state.sets.reserve::<CrumpleExampleSet>()?;
         let tasks = Quiet(context.tasks());
         let set = if keep { ExampleSet::load(bytes, &tasks) } else { ExampleSet::load_copy(bytes, &tasks) }?;
-        add_baked(context, state, set, out);
-        Ok(())
+        add_baked(context, state, set, out)
     })
 }
 
@@ -63,14 +62,18 @@ pub unsafe extern "C" fn crumple_example_set_load_baked(
         let path = required_string(path, "path")?;
         state.sets.reserve::<CrumpleExampleSet>()?;
         let set = ExampleSet::load_file(path, &Quiet(context.tasks()))?;
-        add_baked(context, state, set, out);
-        Ok(())
+        add_baked(context, state, set, out)
     })
 }
 
-fn add_baked(context: &Context, state: &mut State, set: ExampleSet, out: Out<CrumpleExampleSet>) {
+fn add_baked(
+    context: &Context,
+    state: &mut State,
+    set: ExampleSet,
+    out: Out<CrumpleExampleSet>,
+) -> Result<(), Failure> {
     let whole = CrumplePrimitive::new(0..set.vertex_count() as u32, 0..set.mesh().triangles().len() as u32);
-    insert_set(context, state, set, (c"".into(), vec![whole], Vec::new(), None), out);
+    insert_set(context, state, set, (c"".into(), vec![whole], Vec::new(), None), out).map(drop)
 }
 
 /// A text of any origin as one that C can read.
@@ -85,7 +88,7 @@ pub(super) fn insert_set(
     set: ExampleSet,
     (name, primitives, materials, node_transform): (CString, Vec<CrumplePrimitive>, Vec<CString>, Option<[f32; 16]>),
     out: Out<CrumpleExampleSet>,
-) -> CrumpleExampleSet {
+) -> Result<CrumpleExampleSet, Failure> {
     let names = set.examples().iter().map(|e| c_string(e.name())).collect();
     for example in set.examples().iter().filter(|e| e.is_empty()) {
         context.log(CrumpleLogLevel::Warning, &format!("example '{}' moves no vertex", example.name()));
@@ -101,9 +104,10 @@ pub(super) fn insert_set(
     );
     let parts = Vec::new();
     let entry = SetEntry { set: Arc::new(set), name, names, primitives, materials, node_transform, parts };
+    granted()?;
     let id = state.sets.insert(entry);
     out.write(id);
-    id
+    Ok(id)
 }
 
 /// Returns whether an id is that of a set of the context. False while another thread is inside the context.

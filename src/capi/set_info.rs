@@ -32,7 +32,7 @@ pub struct CrumpleExampleSetInfo {
     pub has_tangents: bool,
     /// Number of meshes: 1 + added levels of detail.
     pub lod_count: u32,
-    /// Number of examples that know their blow. From 1 on, the set predicts what an impulse leaves.
+    /// Number of examples whose impulse or striker is known. From 1 on, the set predicts what a blow leaves.
     pub blow_count: u32,
     /// How well the other examples predict an example's displacements, and its depth: median error, 0 exact, 1 no
     /// better than no dent. Negative if unknown.

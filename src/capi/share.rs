@@ -1,5 +1,6 @@
 //! A set in several contexts.
 
+use super::boundary::granted;
 use super::check::Out;
 use super::context::{CrumpleContext, exclusive, look_into};
 use super::result::{CrumpleResult, Failure};
@@ -22,6 +23,7 @@ pub unsafe extern "C" fn crumple_example_set_share(
         }
         let entry = look_into(context, |state| Ok(state.sets.get(set, "set")?.shared()))?;
         state.sets.reserve::<CrumpleExampleSet>()?;
+        granted()?;
         out.write(state.sets.insert(entry));
         Ok(())
     })

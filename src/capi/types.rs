@@ -4,15 +4,18 @@ use super::c_enum::c_enums;
 use crate::base::math::Aabb;
 use crate::contacts::options::Impulses;
 use crate::deform::Encoding;
+use crate::example::blow::StrikerShape;
 use crate::example::data::Placement;
 use crate::select::hit::{HitStatus, Space};
 use bytemuck::{Pod, Zeroable};
 use std::ffi::c_void;
+use std::mem::MaybeUninit;
 
 c_enums!(
     CrumpleDirectionFormat::Octahedral,
     CrumpleRule::Blend,
     CrumpleSelection::ClassicUnclamped,
+    CrumpleStrikerShape::Wall,
     HitStatus::Rigid,
     Impulses::ZeroIsUnknown,
     Placement::Carried,
@@ -51,18 +54,41 @@ impl From<glam::Vec3> for CrumpleVec3 {
     }
 }
 
+/// The shape of what strikes, at the contact.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(dead_code)] // made by C
+pub enum CrumpleStrikerShape {
+    /// The default.
+    Unknown = 0,
+    /// A ball, or anything round.
+    Ball = 1,
+    /// A pole, an edge, or anything long.
+    Pole = 2,
+    /// A corner of a box.
+    Corner = 3,
+    /// A wall, or any flat face.
+    Wall = 4,
+}
+
+impl From<CrumpleStrikerShape> for StrikerShape {
+    fn from(shape: CrumpleStrikerShape) -> Self {
+        Self::ALL[shape as usize]
+    }
+}
+
 /// What struck a body, as far as it is known. 0 is unknown, which costs accuracy.
 #[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+#[derive(Debug, Clone, Copy)]
 pub struct CrumpleStriker {
     /// Mass, kg; against a body that is free to move, the reduced mass m1 m2 / (m1 + m2).
     pub mass: f32,
     /// Radius of its surface at the contact, m: small for a corner, large for a flat face.
     pub radius: f32,
-    /// Its velocity relative to the struck body before the touch, m/s.
+    /// Its velocity relative to the struck body before they touch, m/s.
     pub velocity: CrumpleVec3,
-    /// Its shape at the contact: 0 unknown, 1 a ball or anything round, 2 a pole or an edge, 3 a corner, 4 a wall or any flat face.
-    pub shape: u32,
+    pub shape: MaybeUninit<CrumpleStrikerShape>,
+    pub reserved: [u32; 2],
 }
 
 /// An axis-aligned box, m.
@@ -156,7 +182,7 @@ impl From<CrumpleDirectionFormat> for Encoding {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(dead_code)] // made by C
 pub enum CrumpleRule {
-    /// Each hit leaves a mark. Memory is bounded and the order of hits does not matter. The default.
+    /// Each hit leaves a mark. The number of marks is bounded and the order of hits does not matter. The default.
     Marks = 0,
     /// The classic rule "most displaced" of the paper, for comparison. The order of hits matters. The instance has
     /// no marks and needs memory for each vertex.

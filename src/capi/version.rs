@@ -5,7 +5,7 @@ use std::ffi::c_char;
 /// The version of this header. Libraries of another major or, before 1.0, minor version do not fit.
 pub const CRUMPLE_VERSION_MAJOR: u32 = 0;
 
-pub const CRUMPLE_VERSION_MINOR: u32 = 1;
+pub const CRUMPLE_VERSION_MINOR: u32 = 2;
 
 pub const CRUMPLE_VERSION_PATCH: u32 = 0;
 
@@ -44,7 +44,7 @@ pub extern "C" fn crumple_version() -> u32 {
     CRUMPLE_VERSION
 }
 
-/// Returns the version of the running library as text, such as "0.1.0". The text stays valid for ever.
+/// Returns the version of the running library as text, such as "0.2.0". The text stays valid for ever.
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_version_string() -> *const c_char {
     concat!(env!("CARGO_PKG_VERSION"), "\0").as_ptr().cast()

@@ -38,7 +38,7 @@ pub extern "C" fn crumple_vulkan_attach_def_default() -> CrumpleVulkanAttachDef 
     CrumpleVulkanAttachDef { queue_family: u32::MAX, workgroup_size: 128, ..zeroed() }
 }
 
-/// Attaches your Vulkan device, one per context. It takes some tenths of a millisecond. The handles must be valid,
+/// Attaches your Vulkan device, one per context. The handles must be valid,
 /// belong together, and live until crumple_vulkan_detach() or crumple_context_destroy(). Errors:
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (a device is already attached, a queue family that does not exist or lacks compute, a
 /// bad workgroup_size), CRUMPLE_ERROR_UNSUPPORTED (below Vulkan 1.1, a loader that lacks a function, or a build without
@@ -180,7 +180,7 @@ pub unsafe extern "C" fn crumple_vulkan_record(
 }
 
 /// Declares that the device has completed frame and all earlier ones, as a fence or timeline semaphore tells you. Their
-/// resources are reused or freed. Call it once a frame; it is cheap. A number above the last recorded frame counts as
+/// resources are reused or freed. Call it once a frame. A number above the last recorded frame counts as
 /// that frame.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_complete_frames(context: *mut CrumpleContext, frame: u64) -> CrumpleResult {
@@ -212,7 +212,7 @@ pub extern "C" fn crumple_vulkan_open_def_default() -> CrumpleVulkanOpenDef {
 }
 
 /// Creates a Vulkan device of Crumple's own, for engines that can share memory but cannot hand out a command buffer.
-/// Takes milliseconds to tenths of a second. Use it instead of crumple_vulkan_attach(): import buffers, register them,
+/// It may take long. Use it instead of crumple_vulkan_attach(): import buffers, register them,
 /// and write them with crumple_vulkan_submit(). crumple_vulkan_detach() and crumple_context_destroy() wait for the
 /// device and destroy it. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a device is already attached, a bad workgroup_size),
 /// CRUMPLE_ERROR_UNSUPPORTED (no such device, one that cannot import memory, or a build without

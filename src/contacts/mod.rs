@@ -267,7 +267,7 @@ impl ContactReport {
     fn end(&mut self, touch: &Touch) {
         self.ended += 1;
         if touch.has_struck() {
-            // Only a body with a classic rule refuses, and none has touches.
+            // Refused if the instance refused all hits of the touch.
             let _ = touch.body.inbox.upgrade().map(|inbox| inbox.end_contact(touch.id));
         } else {
             self.weak += 1;

@@ -78,6 +78,7 @@ impl Pair {
 }
 
 /// One dent. Plain data, 32 bytes, little-endian, equal on all machines: send or save it as is.
+/// cbindgen:field-names=[contact, depth, hits, pairs]
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct Mark {
@@ -85,10 +86,10 @@ pub struct Mark {
     pub contact: u32,
     /// Requested depth at the contact, m, above 0.
     pub depth: f32,
-    /// How many hits of this depth it stands for, times 2^32: 4294967296 for one. Hits that repeat it add to it.
+    /// Number of hits of this depth that it stands for, fixed point 32.32: 4294967296 for one hit.
     pub energy: u64,
-    /// Up to four examples. Used pairs come first. If the first has the example 65534, they are the numbers of a hit whose dent
-    /// the set predicts (docs/model.md, "Prediction from all examples").
+    /// Up to four examples. Used pairs come first. If the first has the example 65534, the set predicts the dent, and the pairs
+    /// are the numbers of its hit (docs/model.md, "Prediction from all examples").
     pub pairs: [Pair; 4],
 }
 
@@ -129,7 +130,7 @@ impl Mark {
             return Err(bad("depth", self.depth.to_string(), "above 0 and at most 1e9 m".into()));
         }
         if self.energy == 0 {
-            return Err(bad("energy", "0".into(), "above 0".into()));
+            return Err(bad("hits", "0".into(), "above 0".into()));
         }
         if self.is_predicted() {
             let expected = match set.rule() {

@@ -1,7 +1,7 @@
 //! Attached points (a lamp, a decal, a vertex of a collision mesh) follow the dents without deforming the mesh.
 
 use super::Instance;
-use super::attachment::{Attachment, Frame};
+use super::attachment::{Attachment, Pose};
 use crate::base::error::Error;
 use crate::base::math::{rotation_between, unit};
 use crate::deform::evaluate::vertex;
@@ -14,7 +14,7 @@ impl Instance {
     ///
     /// # Errors
     /// [`Error::IndexOutOfRange`] or [`Error::NotFinite`] for an attachment that this set did not make.
-    pub fn attached_frame(&self, a: &Attachment) -> Result<Frame, Error> {
+    pub fn attached_pose(&self, a: &Attachment) -> Result<Pose, Error> {
         let view = self.view();
         let mesh = self.example_set().mesh();
         for v in a.vertices {
@@ -46,7 +46,7 @@ impl Instance {
             let moved = mix([0, 1, 2].map(|i| now[i].0 - base[i]));
             point + moved + (rotation * (point - surface) - (point - surface))
         };
-        Ok(Frame { position: position.to_array(), rotation: Quat::from_mat3(&rotation).normalize().to_array() })
+        Ok(Pose { position: position.to_array(), rotation: Quat::from_mat3(&rotation).normalize().to_array() })
     }
 }
 

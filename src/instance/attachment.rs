@@ -21,7 +21,7 @@ pub struct Attachment {
 /// Where an attached point is.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-pub struct Frame {
+pub struct Pose {
     /// Position in the mesh's space, m.
     pub position: [f32; 3],
     /// Rotation since rest, a unit quaternion (x, y, z, w).

@@ -237,12 +237,16 @@ impl Contacts {
             + self.settled.memory_bytes()
     }
 
-    /// The outcome of a contact: an open one so far, or that of the last one with this id that ended. `None` if it is too
-    /// weak to leave a mark, or unknown.
-    pub(crate) fn outcome(&self, id: NonZeroU64) -> Option<Outcome> {
+    pub(crate) fn is_open(&self, id: NonZeroU64) -> bool {
+        self.open.binary_search_by_key(&id, |o| o.id).is_ok()
+    }
+
+    /// The outcome of a contact: an open one so far, or that of the last one with this id that ended. `None` if it is
+    /// unknown, and inside that if it is too weak to leave a mark.
+    pub(crate) fn outcome(&self, id: NonZeroU64) -> Option<Option<Outcome>> {
         match self.open.binary_search_by_key(&id, |o| o.id) {
-            Ok(at) => self.open[at].outcome,
-            Err(_) => self.ended.iter().rev().find(|(ended, _)| *ended == id).and_then(|(_, outcome)| *outcome),
+            Ok(at) => Some(self.open[at].outcome),
+            Err(_) => self.ended.iter().rev().find(|(ended, _)| *ended == id).map(|(_, outcome)| *outcome),
         }
     }
 

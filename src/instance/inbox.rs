@@ -1,6 +1,6 @@
 //! The inbox, where hits arrive from any thread.
 
-use super::contacts::{ContactEvent, ContactPart, Push};
+use super::contacts::{ContactEvent, ContactPart, Contacts, Push};
 use super::options::{Rule, needs_marks};
 use super::selection::{Effect, select};
 use crate::base::error::Error;
@@ -10,6 +10,7 @@ use crate::example::set::ExampleSet;
 use crate::select::hit::{Cause, Hit, HitStatus, Outcome};
 use crate::select::target::HitParams;
 use glam::{DMat3, DVec3, Mat4};
+use std::collections::BTreeSet;
 use std::num::NonZeroU64;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Weak};
@@ -23,6 +24,43 @@ pub(crate) enum Pending {
     Contact(ContactEvent),
 }
 
+/// What has arrived since the last fold, and which contacts have begun.
+#[derive(Debug, Default)]
+pub(super) struct Queue {
+    /// In order of arrival.
+    pub pending: Vec<Pending>,
+    /// Ids of contacts that hits began and no call ended, also of some that ended by themselves.
+    begun: BTreeSet<NonZeroU64>,
+}
+
+impl Queue {
+    /// The most ids that are kept of contacts that ended by themselves.
+    const KEPT: usize = 16 * Contacts::MAX;
+
+    fn add(&mut self, pending: Pending) {
+        self.note(&pending);
+        self.pending.push(pending);
+    }
+
+    fn note(&mut self, pending: &Pending) {
+        match pending {
+            Pending::Contact(ContactEvent::Part(part)) => _ = self.begun.insert(part.id),
+            Pending::Contact(ContactEvent::End(id)) => _ = self.begun.remove(id),
+            Pending::Mark(_) | Pending::Classic(..) => {}
+        }
+    }
+
+    /// Takes what has arrived. Where many contacts are never ended, it forgets those that ended by themselves.
+    pub(super) fn take(&mut self, contacts: &Contacts) -> Vec<Pending> {
+        let pending = std::mem::take(&mut self.pending);
+        if self.begun.len() > Self::KEPT {
+            self.begun.retain(|id| contacts.is_open(*id));
+            pending.iter().for_each(|pending| self.note(pending));
+        }
+        pending
+    }
+}
+
 /// Receives hits. It may be shared among threads, which may all submit at once, also while the instance is deformed.
 #[derive(Debug)]
 pub struct Inbox {
@@ -31,7 +69,7 @@ pub struct Inbox {
     set: Arc<ExampleSet>,
     rule: Rule,
     params: RwLock<HitParams>,
-    pending: Mutex<Vec<Pending>>,
+    queue: Mutex<Queue>,
     /// Parts that are mounted on the body: what arrives here also arrives there.
     followers: RwLock<Vec<Weak<Inbox>>>,
 }
@@ -44,7 +82,7 @@ impl Inbox {
             set,
             rule,
             params: RwLock::new(params),
-            pending: Mutex::default(),
+            queue: Mutex::default(),
             followers: RwLock::default(),
         }
     }
@@ -110,17 +148,17 @@ impl Inbox {
     #[cfg(feature = "capi")]
     pub(crate) fn queue_prepared(&self, pending: Option<Pending>) {
         if let Some(pending) = pending {
-            self.queue().push(pending);
+            self.queue().add(pending);
             forward(pending, &self.followers());
         }
     }
 
     /// Ends a contact: its dent stays as it is. The dent is the sum of the hits of this id that arrived before this
-    /// call. A later hit of the same id begins another contact. An id that is not open is no error, since the contact
-    /// may have ended already.
+    /// call. A later hit of the same id begins another contact. If the contact has ended by itself, nothing happens.
     ///
     /// # Errors
-    /// [`Error::WrongRule`] with a classic rule; [`Error::OutOfMemory`].
+    /// [`Error::UnknownContact`] for an id that no hit has, or that this call ended before; [`Error::WrongRule`] with a
+    /// classic rule; [`Error::OutOfMemory`].
     pub fn end_contact(&self, id: NonZeroU64) -> Result<(), Error> {
         self.contacts_allowed("end_contact")?;
         self.push(Pending::Contact(ContactEvent::End(id)), &self.followers())
@@ -199,9 +237,14 @@ impl Inbox {
 
     fn push(&self, pending: Pending, followers: &[Weak<Inbox>]) -> Result<(), Error> {
         let mut queue = self.queue();
-        let bytes = (queue.len() as u64 + 1) * size_of::<Pending>() as u64;
-        queue.try_reserve(1).map_err(|_| Error::OutOfMemory { what: "hits".into(), bytes })?;
-        queue.push(pending);
+        if let Pending::Contact(ContactEvent::End(id)) = pending
+            && !queue.begun.contains(&id)
+        {
+            return Err(Error::UnknownContact { id: id.get() });
+        }
+        let bytes = (queue.pending.len() as u64 + 1) * size_of::<Pending>() as u64;
+        queue.pending.try_reserve(1).map_err(|_| Error::OutOfMemory { what: "hits".into(), bytes })?;
+        queue.add(pending);
         drop(queue);
         forward(pending, followers);
         Ok(())
@@ -216,12 +259,11 @@ impl Inbox {
         self.followers.write().unwrap_or_else(|e| e.into_inner())
     }
 
-    /// The queued hits, in order of arrival.
-    pub(super) fn queue(&self) -> MutexGuard<'_, Vec<Pending>> {
-        self.pending.lock().unwrap_or_else(|e| e.into_inner())
+    pub(super) fn queue(&self) -> MutexGuard<'_, Queue> {
+        self.queue.lock().unwrap_or_else(|e| e.into_inner())
     }
 }
 
 fn forward(pending: Pending, followers: &[Weak<Inbox>]) {
-    followers.iter().filter_map(Weak::upgrade).for_each(|inbox| inbox.queue().push(pending));
+    followers.iter().filter_map(Weak::upgrade).for_each(|inbox| inbox.queue().add(pending));
 }

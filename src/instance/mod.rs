@@ -182,15 +182,15 @@ impl Instance {
     }
 
     /// Returns the outcome of a contact, all its hits taken as one, after folding the hits that have arrived. The
-    /// contact is open, or among the [`Instance::MAX_CONTACTS`] that ended last. `None` if there is no such contact, or
-    /// if its sum is too weak to leave a mark.
+    /// contact is open, or among the [`Instance::MAX_CONTACTS`] that ended last. `None` if its sum is too weak to leave
+    /// a mark.
     ///
     /// # Errors
-    /// [`Error::WrongRule`] with a classic rule.
+    /// [`Error::UnknownContact`] for another id; [`Error::WrongRule`] with a classic rule.
     pub fn contact(&mut self, id: NonZeroU64) -> Result<Option<Outcome>, Error> {
         self.only_marks("contact")?;
         self.fold();
-        Ok(self.contacts.outcome(id))
+        self.contacts.outcome(id).ok_or(Error::UnknownContact { id: id.get() })
     }
 
     /// Calls [`Inbox::set_transform`].
@@ -258,7 +258,7 @@ impl Instance {
     /// Turns the hits that have arrived into damage. The result does not depend on the order or the threads in which
     /// they were submitted. Methods that take `&mut self` and read the damage do this first.
     pub fn fold(&mut self) {
-        let pending = std::mem::take(&mut *self.inbox.queue());
+        let pending = self.inbox.queue().take(&self.contacts);
         if pending.is_empty() {
             return;
         }
@@ -375,7 +375,7 @@ impl Instance {
     /// Replaces the damage. Discards hits that have not been folded yet, and ends all contacts.
     pub(crate) fn become_saved(&mut self, saved: Saved) {
         self.contacts.close_all();
-        self.inbox.queue().clear();
+        self.inbox.queue().pending.clear();
         self.growth.finish();
         match saved {
             Saved::Marks(marks) => self.damage.replace(&self.set, marks, self.options.capacity as usize),
@@ -467,7 +467,7 @@ impl Instance {
     /// Removes all damage. Discards hits that have not been folded yet, and ends all contacts.
     pub fn reset(&mut self) {
         self.contacts.close_all();
-        self.inbox.queue().clear();
+        self.inbox.queue().pending.clear();
         self.growth.finish();
         self.damage.clear();
         if let ShapeState::Classic(state) = &mut self.shape {

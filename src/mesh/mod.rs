@@ -15,6 +15,7 @@ use crate::base::array::Array;
 use crate::base::error::Error;
 use crate::base::error::reserve;
 use crate::base::math::{Aabb, unit};
+use crate::base::memory::may_fail;
 use data::MeshData;
 use glam::{Vec3, Vec4};
 use limits::Limits;
@@ -246,8 +247,7 @@ fn contact_normals(smooth: &[Vec3], given: &[Vec3], weld: &[u32]) -> Vec<Vec3> {
 pub(crate) fn weld(positions: &[Vec3]) -> Result<Vec<u32>, Error> {
     let mut out = reserve(positions.len(), "seams")?;
     let mut first: HashMap<[u32; 3], u32> = HashMap::new();
-    first
-        .try_reserve(positions.len())
+    may_fail(|| first.try_reserve(positions.len()))
         .map_err(|_| Error::OutOfMemory { what: "seams".into(), bytes: positions.len() as u64 * 20 })?;
     for (v, p) in positions.iter().enumerate() {
         out.push(*first.entry(p.to_array().map(f32::to_bits)).or_insert(v as u32));

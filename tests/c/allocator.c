@@ -80,7 +80,7 @@ static CrumpleContext *use_all(void) {
     CrumpleBuffer buffer;
     CrumpleHostBufferDef buffer_def = crumple_host_buffer_def_default();
     CrumpleAttachment lamp;
-    CrumpleFrame frame;
+    CrumplePose frame;
     unsigned char bytes[4096];
     size_t size;
     OK(crumple_example_set_create(context, &sheet.def, &set));
@@ -97,7 +97,7 @@ static CrumpleContext *use_all(void) {
     OK(crumple_instance_save_damage(context, body, bytes, sizeof bytes, &size));
     OK(crumple_instance_load_damage(context, other, bytes, size));
     OK(crumple_example_set_attach_point(context, set, vec3(0, 0, 1), &lamp));
-    OK(crumple_instance_get_attached_frame(context, other, &lamp, &frame));
+    OK(crumple_instance_get_attached_pose(context, other, &lamp, &frame));
     OK(crumple_instance_destroy(context, other));
     FAILS(CRUMPLE_ERROR_INVALID_ID, "stale", crumple_instance_reset_damage(context, other));
     return context;

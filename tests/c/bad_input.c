@@ -2,6 +2,7 @@
 // context usable.
 #include "support.h"
 
+#include <crumple_contacts.h>
 #include <crumple_import.h>
 #include <crumple_parts.h>
 
@@ -258,7 +259,7 @@ static void infos(void) {
     CrumplePrimitive primitive;
     CrumpleMeshCopyDef copy = crumple_mesh_copy_def_default();
     CrumpleAttachment lamp;
-    CrumpleFrame frame;
+    CrumplePose frame;
     uint32_t vertex;
     float distance;
     static float out[VERTICES][4];
@@ -273,15 +274,15 @@ static void infos(void) {
     FACT(keeps(&distance, 4));
     BAD_KEEPING(NOT_FINITE, "point", lamp, crumple_example_set_attach_point(context, set, vec3(0, 0, -INFINITY), &lamp));
     OK(crumple_example_set_attach_point(context, set, vec3(0, 0, 0), &lamp));
-    BAD_KEEPING(NULL_POINTER, "attachment is null", frame, crumple_instance_get_attached_frame(context, body, NULL, &frame));
+    BAD_KEEPING(NULL_POINTER, "attachment is null", frame, crumple_instance_get_attached_pose(context, body, NULL, &frame));
     CrumpleAttachment zeroed;
     memset(&zeroed, 0, sizeof zeroed);
-    BAD_KEEPING(INVALID_ARGUMENT, "weights sum to 0", frame, crumple_instance_get_attached_frame(context, body, &zeroed, &frame));
+    BAD_KEEPING(INVALID_ARGUMENT, "weights sum to 0", frame, crumple_instance_get_attached_pose(context, body, &zeroed, &frame));
     lamp.vertices[1] = VERTICES;
-    BAD_KEEPING(INDEX_OUT_OF_RANGE, "attachment", frame, crumple_instance_get_attached_frame(context, body, &lamp, &frame));
+    BAD_KEEPING(INDEX_OUT_OF_RANGE, "attachment", frame, crumple_instance_get_attached_pose(context, body, &lamp, &frame));
     lamp.vertices[1] = 0;
     lamp.weights[2] = NAN;
-    BAD_KEEPING(NOT_FINITE, "attachment", frame, crumple_instance_get_attached_frame(context, body, &lamp, &frame));
+    BAD_KEEPING(NOT_FINITE, "attachment", frame, crumple_instance_get_attached_pose(context, body, &lamp, &frame));
 
     memset(out, 0xAB, sizeof out);
     memset(triangles, 0xAB, sizeof triangles);

@@ -3,6 +3,8 @@
 #include "heap.h"
 #include "support.h"
 
+#include <crumple_contacts.h>
+
 static Sheet sheet;
 static CrumpleContext *context;
 static CrumpleExampleSet set;

@@ -1,6 +1,8 @@
 // Levels of detail and tolerances through the C interface.
 #include "support.h"
 
+#include <crumple_view.h>
+
 enum { COARSE = 13, COARSE_VERTICES = COARSE * COARSE, COARSE_INDICES = (COARSE - 1) * (COARSE - 1) * 6 };
 
 static Sheet sheet;

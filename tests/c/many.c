@@ -4,6 +4,7 @@
 
 #include <crumple_host.h>
 #include <crumple_parts.h>
+#include <crumple_view.h>
 
 static Sheet sheet;
 static CrumpleContext *context;
@@ -334,7 +335,7 @@ static void parts(void) {
     OK(crumple_instance_set_part_rigid(context, body, 1, true));
     hit = displacement_at(0, -0.3f, 0.03f);
     OK(crumple_instance_submit_hit(context, body, &hit, &told));
-    FACT(told.status == CRUMPLE_HIT_STATUS_RIGID && told.mark.energy == 0);
+    FACT(told.status == CRUMPLE_HIT_STATUS_RIGID && told.mark.hits == 0);
     OK(crumple_instance_get_marks(context, body, NULL, 0, &count));
     FAILS(CRUMPLE_ERROR_INVALID_ID, "stale", crumple_buffer_invalidate(context, buffers[2]));
     OK(crumple_instance_destroy(context, body));

@@ -43,9 +43,9 @@ int main() {
     impulse.duration = 0.01f;
     impulse.mass = 1;
     impulse.normal = vec3(0, 0, 1);
-    impulse.striker = {2.5f, 0.1f, vec3(0, 0, -0.4f), 1};
+    impulse.striker = {2.5f, 0.1f, vec3(0, 0, -0.4f), CRUMPLE_STRIKER_SHAPE_BALL, {}};
     FACT(other.preview(impulse).value().status == CRUMPLE_HIT_STATUS_MARKED && other.marks().value().empty());
-    body.end_contact(7).value();
+    FACT(body.end_contact(7).result() == CRUMPLE_ERROR_UNKNOWN_CONTACT);
     CrumpleContactPointDef touch = crumple_contact_point_def_default();
     touch.bodies[0] = body.id(), touch.normal = vec3(0, 0, 1), touch.point = vec3(0.3f, 0, 0.07f), touch.has_velocity = true;
     touch.velocity = vec3(0, 0, -5), touch.impulse = 0;
@@ -66,7 +66,7 @@ int main() {
     other.copy_damage(body.id()).value();
     FACT(other.info().value().mark_count == 1);
     const auto lamp = set.attach(vec3(0.1f, 0.1f, 0.2f)).value();
-    FACT(body.attached_frame(lamp).value().position.z < lamp.point.z - 0.01f);
+    FACT(body.attached_pose(lamp).value().position.z < lamp.point.z - 0.01f);
 
     // Many at once.
     const CrumpleInstance both[] = {body.id(), other.id()};
@@ -104,7 +104,7 @@ int main() {
     crumple::Instance whole = context.create_instance(sheets).value(), off = whole.release_part(part).value();
     FACT(off.submit_displacement(vec3(0, 0, 0.07f), vec3(0, 0, -0.04f)).value().contact_vertex < SIDE * 2);
     FACT(off.measure_part(part).value().deepest > off.measure_part(part).value().mean);
-    FACT(off.measure_part(part).value().energy > 0);
+    FACT(off.measure_part(part).value().equivalent_depth > 0);
     whole.mount_part(off).value();
     FACT(!whole.mount_part(off).ok());
     whole.set_part_rigid(part, true).value();

@@ -154,6 +154,8 @@ static class DentTests
             hit.ContactId = 3;
             body.Submit(in hit);
             body.EndContact(3);
+            Check.Fails(CrumpleResult.ErrorUnknownContact, "contact_id is 3", () => body.EndContact(3));
+            Check.Fails(CrumpleResult.ErrorUnknownContact, "contact_id is 4", () => body.GetContact(4));
             Check.Near(-0.04f, body.GetContact(3).Target.Z, 1e-6f, "of a contact that ended");
             context.SetTime(1.05);
             context.Deform();
@@ -285,13 +287,13 @@ static class DentTests
             Check.Same(1, set.AddLod(lod), "the first level");
             Instance body = context.CreateInstance(set);
             CrumpleAttachment lamp = set.AttachPoint(new CrumpleVec3(0.05f, 0.02f, 0.2f));
-            CrumpleFrame rest = body.GetAttachedFrame(in lamp);
+            CrumplePose rest = body.GetAttachedPose(in lamp);
             Check.Near(0.2f, rest.Position.Z, 1e-6f, "at rest");
             CrumpleVec3[] vertices = new CrumpleVec3[Sheet.Vertices], proxy = new CrumpleVec3[2];
             HostBuffer buffer = body.RegisterHostBuffer(StridedArray.Of(vertices));
             HostBuffer collider = body.RegisterHostBuffer(StridedArray.Of(proxy), lod: 1);
             body.Submit(Sheet.Hit(0, 0, 0.05f));
-            Check.That(body.GetAttachedFrame(in lamp).Position.Z < rest.Position.Z - 0.03f, "the lamp follows");
+            Check.That(body.GetAttachedPose(in lamp).Position.Z < rest.Position.Z - 0.03f, "the lamp follows");
             context.Deform();
             Check.Same(vertices[312], proxy[0], "a level's vertex on a base vertex");
             body.SetDepthLimit(0.01f);

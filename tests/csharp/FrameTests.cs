@@ -57,7 +57,7 @@ static class FrameTests
                     body.SaveDamage(saved);
                     body.RepairDamage(0.5f);
                     body.SetMarks(new ReadOnlySpan<CrumpleMark>(marks, 0, count));
-                    body.GetAttachedFrame(in lamp);
+                    body.GetAttachedPose(in lamp);
                     body.GetInfo();
                 }
             }

@@ -14,6 +14,8 @@ pub const HEADERS: &[&str] = &[
     "crumple_build.h",
     "crumple_import.h",
     "crumple_parts.h",
+    "crumple_contacts.h",
+    "crumple_view.h",
     "crumple_host.h",
     "crumple_vulkan.h",
     "crumple_graph.h",

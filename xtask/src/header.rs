@@ -81,6 +81,18 @@ const PARTS: &[Part] = &[
         sources: &["capi/parts.rs", "capi/attach.rs", "capi/colliders.rs"],
     },
     Part {
+        name: "crumple_contacts.h",
+        about: "// Crumple: contact ids, which join hits to one dent, and the hits that contact points became.\n",
+        include: "crumple.h",
+        sources: &["capi/contact_ids.rs"],
+    },
+    Part {
+        name: "crumple_view.h",
+        about: "// Crumple: how finely, and how soon, instances are shown.\n",
+        include: "crumple.h",
+        sources: &["capi/view.rs"],
+    },
+    Part {
         name: "crumple_host.h",
         about: "// Crumple: the host's allocator, and example sets in several contexts.\n",
         include: "crumple.h",

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! PREFIX/include/crumple.h, crumple_*.h, crumple.hpp
-//! PREFIX/lib/libcrumple.so.0.1.0, libcrumple.so.0.1, libcrumple.so, libcrumple.a, static-libraries.txt
+//! PREFIX/lib/libcrumple.so.0.2.0, libcrumple.so.0.2, libcrumple.so, libcrumple.a, static-libraries.txt
 //! PREFIX/lib/cmake/Crumple/*.cmake
 //! PREFIX/lib/pkgconfig/crumple.pc
 //! PREFIX/share/licenses/crumple/

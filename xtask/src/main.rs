@@ -76,6 +76,9 @@ enum Command {
         /// Write nothing; fail with a diff if a committed file does not match the sources
         #[arg(long)]
         check: bool,
+        /// Keep the headers as those of a release, with which stage "abi" compares later ones
+        #[arg(long, conflicts_with = "check")]
+        keep: bool,
     },
     /// Build the C library and install it with its headers, CMake package and pkg-config file
     Install {
@@ -149,7 +152,8 @@ fn run(command: Command) -> Result<()> {
     match command {
         Command::Demo { out, gpu } => demo::run(&workspace, &out, gpu.as_deref()),
         Command::Test(options) => test::run(&mut workspace, &options),
-        Command::Header { check } => header::run(&workspace, check),
+        Command::Header { keep: true, .. } => abi::keep(&workspace),
+        Command::Header { check, .. } => header::run(&workspace, check),
         Command::Install { prefix, debug } => {
             let profile = if debug { install::Profile::Debug } else { install::Profile::Release };
             install::run(&workspace, &prefix, profile)

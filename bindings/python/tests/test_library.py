@@ -201,6 +201,8 @@ def test_contacts(context):
     preview = body.hit_displacement((0.3, 0, 0), (0, 0, -0.01), preview=True)
     assert preview.status == crumple.HitStatus.MARKED
     body.end_contact(9)
+    with pytest.raises(crumple.CrumpleError, match="contact_id is 9"):
+        body.end_contact(9)
     body.deformed()
 
 

@@ -63,7 +63,7 @@ namespace Crumple
         /// <summary>The file that was found, or the name that was looked for.</summary>
         public string FileName { get; }
 
-        /// <summary>Version of the library that was found, such as "0.1.0"; null where none told its version.</summary>
+        /// <summary>Version of the library that was found, such as "0.2.0"; null where none told its version.</summary>
         public string FoundVersion { get; }
 
         /// <summary>Version that these C# files were made for.</summary>

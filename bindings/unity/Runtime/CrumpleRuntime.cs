@@ -26,7 +26,7 @@ namespace Crumple
             loaded = true;
         }
 
-        /// <summary>The version of the native library, such as "0.1.0".</summary>
+        /// <summary>The version of the native library, such as "0.2.0".</summary>
         public static string Version
         {
             get

@@ -273,7 +273,7 @@ namespace Crumple
 
         /// <summary>
         /// Binds a point, m, in the mesh's space, to the surface nearest to it. It fits every instance of the set: see
-        /// <see cref="Instance.GetAttachedFrame"/>.
+        /// <see cref="Instance.GetAttachedPose"/>.
         /// </summary>
         public unsafe CrumpleAttachment AttachPoint(CrumpleVec3 point)
         {

@@ -153,8 +153,7 @@ namespace Crumple
         }
 
         /// <summary>
-        /// The result of a contact, all its hits taken as one. It is open, or among the 256 that ended last; otherwise the status
-        /// is BelowYield.
+        /// The result of a contact, all its hits taken as one. It is open, or among the 256 that ended last; another id is an error.
         /// </summary>
         public unsafe CrumpleHitResult GetContact(ulong contactId)
         {
@@ -165,7 +164,8 @@ namespace Crumple
         }
 
         /// <summary>
-        /// Ends a contact: its dent stays as it is, and later hits with the same id begin another one. Any thread, at any time.
+        /// Ends a contact: its dent stays as it is, and later hits with the same id begin another one. An id that no hit has is an error. Any
+        /// thread, at any time.
         /// </summary>
         public void EndContact(ulong contactId)
         {
@@ -205,31 +205,31 @@ namespace Crumple
         /// <summary>How far the vertices of a mesh of the set have moved, m: the furthest, and their mean.</summary>
         public float MeasurePart(int lod, out float mean)
         {
-            float energy;
-            return MeasurePart(lod, out mean, out energy);
+            float depth;
+            return MeasurePart(lod, out mean, out depth);
         }
 
-        /// <summary>The same, with the depth of one hit that has the energy of all marks on the mesh, m.</summary>
-        public unsafe float MeasurePart(int lod, out float mean, out float energy)
+        /// <summary>The same, with the depth of the single hit that does as much damage as all marks on the mesh, m.</summary>
+        public unsafe float MeasurePart(int lod, out float mean, out float equivalentDepth)
         {
             float deepest, all, one;
             using (Call call = Context.EnterAlone(this))
                 call.Check(NativeMethods.crumple_instance_measure_part(call.Context, Id, MeshDef.Count(lod, "lod"), &deepest, &all, &one),
                     "crumple_instance_measure_part");
             mean = all;
-            energy = one;
+            equivalentDepth = one;
             return deepest;
         }
 
         /// <summary>Where an attached point is, hits that wait among them.</summary>
-        public unsafe CrumpleFrame GetAttachedFrame(in CrumpleAttachment attachment)
+        public unsafe CrumplePose GetAttachedPose(in CrumpleAttachment attachment)
         {
             CrumpleAttachment copy = attachment;
-            CrumpleFrame frame;
+            CrumplePose pose;
             using (Call call = Context.EnterAlone(this))
-                call.Check(NativeMethods.crumple_instance_get_attached_frame(call.Context, Id, &copy, &frame),
-                    "crumple_instance_get_attached_frame");
-            return frame;
+                call.Check(NativeMethods.crumple_instance_get_attached_pose(call.Context, Id, &copy, &pose),
+                    "crumple_instance_get_attached_pose");
+            return pose;
         }
 
         /// <summary>

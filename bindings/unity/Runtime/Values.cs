@@ -23,8 +23,8 @@ namespace Crumple
     public partial struct CrumpleStriker
     {
         /// <summary>What struck a body: mass, kg; radius at the contact, m; velocity relative to the body before the touch, m/s;
-        /// shape, 1 a ball, 2 a pole, 3 a corner, 4 a wall. Zeros are unknown.</summary>
-        public CrumpleStriker(float mass, float radius, CrumpleVec3 velocity, uint shape = 0)
+        /// shape. Zeros are unknown.</summary>
+        public CrumpleStriker(float mass, float radius, CrumpleVec3 velocity, CrumpleStrikerShape shape = CrumpleStrikerShape.Unknown) : this()
         {
             Mass = mass;
             Radius = radius;

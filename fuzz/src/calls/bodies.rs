@@ -168,8 +168,8 @@ impl Host<'_> {
             }
             51 => {
                 let Some(at) = self.attachments.last().copied() else { return Ok(CrumpleResult::CrumpleOk) };
-                let (at, mut frame) = (self.patched(at)?, CrumpleFrame::default());
-                crumple_instance_get_attached_frame(context, id, &at, &mut frame)
+                let (at, mut frame) = (self.patched(at)?, CrumplePose::default());
+                crumple_instance_get_attached_pose(context, id, &at, &mut frame)
             }
             52 => {
                 let mut options = crumple_contact_options_def_default();

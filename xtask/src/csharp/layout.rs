@@ -10,7 +10,7 @@ use crate::declarations::{Form, HEADERS, Item};
 
 /// Its lines: `CrumpleMark 32`, `CrumpleMark.Depth 4 4`, `CrumpleMark.Pairs1 20 4`.
 pub fn program(items: &[Item]) -> Result<String> {
-    let structs = |name: &str| items.iter().any(|item| item.name == name && matches!(item.form, Form::Struct { .. }));
+    let declared = |name: &str| items.iter().any(|item| item.name == name);
     let mut text: String = HEADERS.iter().map(|name| format!("#include <{name}>\n")).collect();
     text.push_str("#include <stdio.h>\n\nint main(void) {\n");
     for Item { name, form, .. } in items {
@@ -20,8 +20,8 @@ pub fn program(items: &[Item]) -> Result<String> {
             let (own, there) = (&field.name, pascal(&field.name));
             let size = format!("sizeof((({name} *)0)->{own}");
             match field.kind.array {
-                // C# has no arrays of structs in structs, so each element is a field.
-                Some(length) if structs(&field.kind.base) => {
+                // C# has no arrays of structs or enums in structs, so each element is a field.
+                Some(length) if declared(&field.kind.base) => {
                     for index in 0..length {
                         let offset = format!("offsetof({name}, {own}) + {index} * {size}[0])");
                         writeln!(text, "    printf(\"{name}.{there}{index} %zu %zu\\n\", {offset}, {size}[0]));")?;

@@ -22,12 +22,12 @@ from .types import (
     DeformReport,
     Example,
     ExampleInfo,
-    Frame,
     HitResult,
     HitStatus,
     InstanceInfo,
     Mesh,
     Placement,
+    Pose,
     Primitive,
     Result,
     Rule,
@@ -43,6 +43,6 @@ __version__: str = library.crumple_version_string().decode()
 
 __all__ = [
     "MARK", "Attachment", "Buffer", "Changes", "Chosen", "ContactHit", "ContactPoint", "ContactReport", "Context", "CrumpleError",
-    "DeformReport", "Example", "ExampleInfo", "ExampleSet", "Frame", "HitResult", "HitStatus", "Instance", "InstanceInfo", "Mesh", "Placement", "Primitive", "Result",
+    "DeformReport", "Example", "ExampleInfo", "ExampleSet", "HitResult", "HitStatus", "Instance", "InstanceInfo", "Mesh", "Placement", "Pose", "Primitive", "Result",
     "Rule", "Selection", "SetInfo", "SetOptions", "Space", "Striker", "keep_out", "library", "native",
 ]  # fmt: skip

@@ -4,7 +4,7 @@ from enum import IntEnum
 from typing import Any
 
 VERSION_MAJOR = 0
-VERSION_MINOR = 1
+VERSION_MINOR = 2
 VERSION_PATCH = 0
 VERSION = (((VERSION_MAJOR * 1000000) + (VERSION_MINOR * 1000)) + VERSION_PATCH)
 FEATURE_GLTF = 1
@@ -33,6 +33,7 @@ class CrumpleResult(IntEnum):
     ERROR_WRONG_RULE = 14
     ERROR_VULKAN = 15
     ERROR_DEVICE_LOST = 16
+    ERROR_UNKNOWN_CONTACT = 17
     ERROR_NULL_POINTER = 64
     ERROR_STRUCT_SIZE = 65
     ERROR_INVALID_ID = 66
@@ -82,6 +83,16 @@ class CrumpleSpace(IntEnum):
 
     LOCAL = 0
     WORLD = 1
+
+
+class CrumpleStrikerShape(IntEnum):
+    """The shape of what strikes, at the contact."""
+
+    UNKNOWN = 0
+    BALL = 1
+    POLE = 2
+    CORNER = 3
+    WALL = 4
 
 
 class CrumpleHitStatus(IntEnum):
@@ -248,6 +259,7 @@ class CrumpleStriker(c.Structure):
         ("radius", c.c_float),
         ("velocity", CrumpleVec3),
         ("shape", c.c_uint32),
+        ("reserved", c.c_uint32 * 2),
     ]
 
 
@@ -289,7 +301,7 @@ class CrumpleMark(c.Structure):
     _fields_ = [
         ("contact", c.c_uint32),
         ("depth", c.c_float),
-        ("energy", c.c_uint64),
+        ("hits", c.c_uint64),
         ("pairs", CrumplePair * 4),
     ]
 
@@ -359,17 +371,6 @@ class CrumpleContactReport(c.Structure):
         ("refused", c.c_uint64),
         ("refusal", c.c_uint32),
         ("reserved", c.c_uint32 * 3),
-    ]
-
-
-class CrumpleContactHit(c.Structure):
-    _fields_ = [
-        ("pair", c.c_uint64),
-        ("contact_id", c.c_uint64),
-        ("instance", CrumpleInstance),
-        ("point", CrumpleVec3),
-        ("impulse", CrumpleVec3),
-        ("result", CrumpleHitResult),
     ]
 
 
@@ -608,11 +609,22 @@ class CrumpleQuat(c.Structure):
     ]
 
 
-class CrumpleFrame(c.Structure):
+class CrumplePose(c.Structure):
     _fields_ = [
         ("position", CrumpleVec3),
         ("rotation", CrumpleQuat),
         ("reserved", c.c_uint32 * 5),
+    ]
+
+
+class CrumpleContactHit(c.Structure):
+    _fields_ = [
+        ("pair", c.c_uint64),
+        ("contact_id", c.c_uint64),
+        ("instance", CrumpleInstance),
+        ("point", CrumpleVec3),
+        ("impulse", CrumpleVec3),
+        ("result", CrumpleHitResult),
     ]
 
 
@@ -785,21 +797,15 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "crumple_instance_get_info": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleInstanceInfo)]),
     "crumple_instance_set_transform": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(c.c_float)]),
     "crumple_instance_set_depth_limit": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_float]),
-    "crumple_context_set_time": (c.c_uint32, [c.c_void_p, c.c_double]),
-    "crumple_instance_set_view": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_float, c.c_float, c.c_float, c.c_float, c.POINTER(c.c_uint32)]),
     "crumple_hit_def_default": (CrumpleHitDef, []),
     "crumple_instance_submit_hit": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleHitDef), c.POINTER(CrumpleHitResult)]),
     "crumple_context_submit_hits": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleInstance), c.POINTER(CrumpleHitDef), c.c_uint32, c.POINTER(CrumpleHitResult)]),
     "crumple_instance_preview_hit": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleHitDef), c.POINTER(CrumpleHitResult)]),
-    "crumple_instance_end_contact": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint64]),
-    "crumple_instance_get_contact": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint64, c.POINTER(CrumpleHitResult)]),
     "crumple_contact_options_def_default": (CrumpleContactOptionsDef, []),
     "crumple_context_set_contact_options": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleContactOptionsDef)]),
     "crumple_contact_point_def_default": (CrumpleContactPointDef, []),
     "crumple_context_report_contacts": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleContactPointDef), c.c_uint32]),
     "crumple_context_step_contacts": (c.c_uint32, [c.c_void_p, c.c_float, c.POINTER(CrumpleContactReport)]),
-    "crumple_context_get_contact_hits": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleContactHit), c.c_uint32, c.POINTER(c.c_uint32)]),
-    "crumple_context_get_contact_totals": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleContactReport)]),
     "crumple_context_clear_contacts": (c.c_uint32, [c.c_void_p]),
     "crumple_instance_get_marks": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleMark), c.c_uint32, c.POINTER(c.c_uint32)]),
     "crumple_instance_set_marks": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleMark), c.c_uint32]),
@@ -818,7 +824,6 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "crumple_buffer_get_info": (c.c_uint32, [c.c_void_p, CrumpleBuffer, c.POINTER(CrumpleBufferInfo)]),
     "crumple_buffer_invalidate": (c.c_uint32, [c.c_void_p, CrumpleBuffer]),
     "crumple_buffer_set_memory": (c.c_uint32, [c.c_void_p, CrumpleBuffer, c.POINTER(CrumpleHostBufferDef)]),
-    "crumple_context_set_vertex_budget": (c.c_uint32, [c.c_void_p, c.c_uint64]),
     "crumple_context_deform": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleBuffer), c.c_uint32, c.POINTER(CrumpleDeformReport)]),
     "crumple_context_get_changed_buffers": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleBufferInfo), c.c_uint32, c.POINTER(c.c_uint32)]),
     "crumple_buffer_get_changes": (c.c_uint32, [c.c_void_p, CrumpleBuffer, c.POINTER(CrumpleRange), c.c_uint32, c.POINTER(c.c_uint32), c.POINTER(CrumpleAabb)]),
@@ -843,9 +848,16 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "crumple_instance_set_part_rigid": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint32, c.c_bool]),
     "crumple_instance_measure_part": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint32, c.POINTER(c.c_float), c.POINTER(c.c_float), c.POINTER(c.c_float)]),
     "crumple_example_set_attach_point": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, CrumpleVec3, c.POINTER(CrumpleAttachment)]),
-    "crumple_instance_get_attached_frame": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleAttachment), c.POINTER(CrumpleFrame)]),
+    "crumple_instance_get_attached_pose": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.POINTER(CrumpleAttachment), c.POINTER(CrumplePose)]),
     "crumple_example_set_find_nearest_vertex": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, CrumpleVec3, c.POINTER(c.c_uint32), c.POINTER(c.c_float)]),
     "crumple_buffer_get_changed_triangles": (c.c_uint32, [c.c_void_p, CrumpleBuffer, c.POINTER(CrumpleRange), c.c_uint32, c.POINTER(c.c_uint32), c.POINTER(CrumpleAabb)]),
+    "crumple_instance_end_contact": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint64]),
+    "crumple_instance_get_contact": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint64, c.POINTER(CrumpleHitResult)]),
+    "crumple_context_get_contact_hits": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleContactHit), c.c_uint32, c.POINTER(c.c_uint32)]),
+    "crumple_context_get_contact_totals": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleContactReport)]),
+    "crumple_context_set_time": (c.c_uint32, [c.c_void_p, c.c_double]),
+    "crumple_instance_set_view": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_float, c.c_float, c.c_float, c.c_float, c.POINTER(c.c_uint32)]),
+    "crumple_context_set_vertex_budget": (c.c_uint32, [c.c_void_p, c.c_uint64]),
     "crumple_allocator_def_default": (CrumpleAllocatorDef, []),
     "crumple_allocator_set": (c.c_uint32, [c.POINTER(CrumpleAllocatorDef)]),
     "crumple_example_set_share": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.c_void_p, c.POINTER(CrumpleExampleSet)]),

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _native as native
 from ._arrays import directions, matrix, stream, vector, vector3
 from ._library import check, filled, library, needed
-from .types import MARK, Attachment, Changes, Chosen, Frame, HitResult, HitStatus, InstanceInfo, Mesh, Space, Striker
+from .types import MARK, Attachment, Changes, Chosen, HitResult, HitStatus, InstanceInfo, Mesh, Pose, Space, Striker
 
 if TYPE_CHECKING:
     from .context import Context
@@ -96,11 +96,11 @@ class Instance:
         return _hit_result(raw)
 
     def end_contact(self, contact_id: int) -> None:
-        """Ends a contact: its dent stays, and later hits with this number begin a new one. Any thread."""
+        """Ends a contact: its dent stays, and later hits with this number begin a new one. Any other number is an error. Any thread."""
         check(library.crumple_instance_end_contact(self._context.handle, self.id, contact_id))
 
     def contact(self, contact_id: int) -> HitResult:
-        """The result of an open contact, all its hits taken as one."""
+        """The result of a contact that is open, or among the 256 that ended last: all its hits taken as one."""
         raw = native.CrumpleHitResult()
         check(library.crumple_instance_get_contact(self._context.handle, self.id, contact_id, ctypes.byref(raw)))
         return _hit_result(raw)
@@ -143,14 +143,14 @@ class Instance:
         """Replaces the damage with that of another instance of an equal set."""
         check(library.crumple_instance_copy_damage(self._context.handle, self.id, source.id))
 
-    def attached(self, attachment: Attachment) -> Frame:
+    def attached(self, attachment: Attachment) -> Pose:
         """Where an attached point is now."""
         raw = native.CrumpleAttachment(attachment.vertices, attachment.weights, native.CrumpleVec3(*attachment.point))
-        out = native.CrumpleFrame()
-        get = library.crumple_instance_get_attached_frame
+        out = native.CrumplePose()
+        get = library.crumple_instance_get_attached_pose
         check(get(self._context.handle, self.id, ctypes.byref(raw), ctypes.byref(out)))
         turn = out.rotation
-        return Frame(vector3(out.position), np.array((turn.x, turn.y, turn.z, turn.w), np.float32))
+        return Pose(vector3(out.position), np.array((turn.x, turn.y, turn.z, turn.w), np.float32))
 
     def buffer(
         self,

@@ -28,14 +28,14 @@ from ._native import (
 )
 
 __all__ = [
-    "Attachment", "Changes", "Chosen", "DeformReport", "Example", "ExampleInfo", "Frame", "HitResult", "HitStatus",
-    "InstanceInfo", "MARK", "Mesh", "Placement", "Primitive", "Result", "Rule", "Selection", "SetInfo", "SetOptions", "Space",
+    "Attachment", "Changes", "Chosen", "DeformReport", "Example", "ExampleInfo", "HitResult", "HitStatus",
+    "InstanceInfo", "MARK", "Mesh", "Placement", "Pose", "Primitive", "Result", "Rule", "Selection", "SetInfo", "SetOptions", "Space",
     "Striker",
 ]  # fmt: skip
 
 Floats = NDArray[np.float32]
 
-MARK = np.dtype([("contact", "<u4"), ("depth", "<f4"), ("energy", "<u8"), ("pairs", [("example", "<u2"), ("share", "<u2")], 4)])
+MARK = np.dtype([("contact", "<u4"), ("depth", "<f4"), ("hits", "<u8"), ("pairs", [("example", "<u2"), ("share", "<u2")], 4)])
 """A mark, 32 bytes. Arrays of marks have this type; save or send them as they are."""
 
 
@@ -289,7 +289,7 @@ class Attachment:
 
 
 @dataclass(frozen=True)
-class Frame:
+class Pose:
     """Where an attached point is."""
 
     position: Floats

@@ -19,7 +19,7 @@ namespace Crumple.Native
         public const string Library = "crumple";
 #endif
         public const uint VersionMajor = 0;
-        public const uint VersionMinor = 1;
+        public const uint VersionMinor = 2;
         public const uint VersionPatch = 0;
         public const uint Version = (((VersionMajor * 1000000) + (VersionMinor * 1000)) + VersionPatch);
 
@@ -128,19 +128,6 @@ namespace Crumple.Native
             float depthLimit);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_context_set_time(IntPtr context, double time);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_instance_set_view(
-            IntPtr context,
-            CrumpleInstance instance,
-            float pixels,
-            float distance,
-            float fovY,
-            float viewportHeight,
-            uint* outLod);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleHitDef crumple_hit_def_default();
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
@@ -166,19 +153,6 @@ namespace Crumple.Native
             CrumpleHitResult* outResult);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_instance_end_contact(
-            IntPtr context,
-            CrumpleInstance instance,
-            ulong contactId);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_instance_get_contact(
-            IntPtr context,
-            CrumpleInstance instance,
-            ulong contactId,
-            CrumpleHitResult* outResult);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleContactOptionsDef crumple_contact_options_def_default();
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
@@ -200,16 +174,6 @@ namespace Crumple.Native
             IntPtr context,
             float seconds,
             CrumpleContactReport* outReport);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_context_get_contact_hits(
-            IntPtr context,
-            CrumpleContactHit* hits,
-            uint capacity,
-            uint* outCount);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_context_get_contact_totals(IntPtr context, CrumpleContactReport* outReport);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_context_clear_contacts(IntPtr context);
@@ -314,9 +278,6 @@ namespace Crumple.Native
             IntPtr context,
             CrumpleBuffer buffer,
             CrumpleHostBufferDef* def);
-
-        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_context_set_vertex_budget(IntPtr context, ulong vertices);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_context_deform(
@@ -468,7 +429,7 @@ namespace Crumple.Native
             uint lod,
             float* outDeepest,
             float* outMean,
-            float* outEnergy);
+            float* outEquivalentDepth);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_example_set_attach_point(
@@ -478,11 +439,11 @@ namespace Crumple.Native
             CrumpleAttachment* outAttachment);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
-        public static extern CrumpleResult crumple_instance_get_attached_frame(
+        public static extern CrumpleResult crumple_instance_get_attached_pose(
             IntPtr context,
             CrumpleInstance instance,
             CrumpleAttachment* attachment,
-            CrumpleFrame* outFrame);
+            CrumplePose* outPose);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_example_set_find_nearest_vertex(
@@ -500,6 +461,45 @@ namespace Crumple.Native
             uint capacity,
             uint* outCount,
             CrumpleAabb* outBounds);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_instance_end_contact(
+            IntPtr context,
+            CrumpleInstance instance,
+            ulong contactId);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_instance_get_contact(
+            IntPtr context,
+            CrumpleInstance instance,
+            ulong contactId,
+            CrumpleHitResult* outResult);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_context_get_contact_hits(
+            IntPtr context,
+            CrumpleContactHit* hits,
+            uint capacity,
+            uint* outCount);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_context_get_contact_totals(IntPtr context, CrumpleContactReport* outReport);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_context_set_time(IntPtr context, double time);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_instance_set_view(
+            IntPtr context,
+            CrumpleInstance instance,
+            float pixels,
+            float distance,
+            float fovY,
+            float viewportHeight,
+            uint* outLod);
+
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_context_set_vertex_budget(IntPtr context, ulong vertices);
 
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleAllocatorDef crumple_allocator_def_default();

@@ -34,6 +34,7 @@ namespace Crumple
         ErrorWrongRule = 14,
         ErrorVulkan = 15,
         ErrorDeviceLost = 16,
+        ErrorUnknownContact = 17,
         ErrorNullPointer = 64,
         ErrorStructSize = 65,
         ErrorInvalidId = 66,
@@ -77,6 +78,15 @@ namespace Crumple
     {
         Local = 0,
         World = 1,
+    }
+
+    public enum CrumpleStrikerShape
+    {
+        Unknown = 0,
+        Ball = 1,
+        Pole = 2,
+        Corner = 3,
+        Wall = 4,
     }
 
     public enum CrumpleHitStatus
@@ -274,12 +284,13 @@ namespace Crumple
 
     /// <summary>The struct of the C headers.</summary>
     [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleStriker
+    public unsafe partial struct CrumpleStriker
     {
         public float Mass;
         public float Radius;
         public CrumpleVec3 Velocity;
-        public uint Shape;
+        public CrumpleStrikerShape Shape;
+        public fixed uint Reserved[2];
     }
 
     /// <summary>The struct of the C headers.</summary>
@@ -334,7 +345,7 @@ namespace Crumple
     {
         public uint Contact;
         public float Depth;
-        public ulong Energy;
+        public ulong Hits;
         public CrumplePair Pairs0;
         public CrumplePair Pairs1;
         public CrumplePair Pairs2;
@@ -404,7 +415,8 @@ namespace Crumple
         public fixed float Masses[2];
         public float InverseMass;
         public fixed float Radii[2];
-        public fixed uint Shapes[2];
+        public CrumpleStrikerShape Shapes0;
+        public CrumpleStrikerShape Shapes1;
         public float Gain;
 
         public static CrumpleContactPointDef Default
@@ -433,18 +445,6 @@ namespace Crumple
         public ulong Refused;
         public CrumpleResult Refusal;
         public fixed uint Reserved[3];
-    }
-
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleContactHit
-    {
-        public ulong Pair;
-        public ulong ContactId;
-        public CrumpleInstance Instance;
-        public CrumpleVec3 Point;
-        public CrumpleVec3 Impulse;
-        public CrumpleHitResult Result;
     }
 
     /// <summary>The struct of the C headers.</summary>
@@ -753,11 +753,23 @@ namespace Crumple
 
     /// <summary>The struct of the C headers.</summary>
     [StructLayout(LayoutKind.Sequential)]
-    public unsafe partial struct CrumpleFrame
+    public unsafe partial struct CrumplePose
     {
         public CrumpleVec3 Position;
         public CrumpleQuat Rotation;
         public fixed uint Reserved[5];
+    }
+
+    /// <summary>The struct of the C headers.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public partial struct CrumpleContactHit
+    {
+        public ulong Pair;
+        public ulong ContactId;
+        public CrumpleInstance Instance;
+        public CrumpleVec3 Point;
+        public CrumpleVec3 Impulse;
+        public CrumpleHitResult Result;
     }
 
     [UnmanagedFunctionPointer(CallingConvention.Cdecl)]

@@ -19,7 +19,7 @@ static void refused(CrumpleResult expected, const char *part, CrumpleResult resu
 
 // A library that does not fit is named before anything is called.
 static void libraries(char **paths) {
-    const char *const said[] = {"libcrumple.so cannot be loaded", "is version 9.8.7, but crumple_unity was made for 0.1.0",
+    const char *const said[] = {"libcrumple.so cannot be loaded", "is version 9.8.7, but crumple_unity was made for 0.2.0",
                                 "has no crumple_features"};
     for (int i = 0; i < 3; ++i) {
         plugin.open(paths[i]);

@@ -4,7 +4,7 @@
 #include "CoreMinimal.h"
 #include "UObject/WeakObjectPtr.h"
 
-#include "crumple.h"
+#include "crumple_contacts.h"
 
 class UCrumpleComponent;
 class UPrimitiveComponent;

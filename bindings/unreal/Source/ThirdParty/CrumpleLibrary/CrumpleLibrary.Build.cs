@@ -22,7 +22,7 @@ public class CrumpleLibrary : ModuleRules
 		else if (Target.Platform == UnrealTargetPlatform.Linux)
 		{
 			// Linked by one name, and looked for beside the binary by its SONAME: the same file twice.
-			const string Name = "libcrumple.so.0.1";
+			const string Name = "libcrumple.so.0.2";
 			PublicAdditionalLibraries.Add(Present(Path.Combine(Libraries, "libcrumple.so")));
 			RuntimeDependencies.Add("$(BinaryOutputDir)/" + Name, Present(Path.Combine(Libraries, Name)));
 			PublicDefinitions.Add("CRUMPLE_DELAY_LOADED=0");
