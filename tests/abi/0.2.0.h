@@ -161,7 +161,6 @@ typedef struct CrumpleInstanceDef {
     float yield_displacement;
     float max_contact_distance;
     float blend_constant;
-    float tolerance;
     float compliance;
     float grow_time;
     float local_to_world[16];
@@ -302,7 +301,6 @@ typedef struct CrumpleDeformReport {
     uint64_t vertices_written;
     uint64_t blocks_written;
     uint64_t blocks_skipped;
-    uint64_t examples_skipped;
     uint64_t vertices_waiting;
     uint64_t reserved[3];
 } CrumpleDeformReport;
@@ -408,10 +406,6 @@ typedef enum CrumpleIndexType {
     CRUMPLE_INDEX_TYPE_U32 = 0,
     CRUMPLE_INDEX_TYPE_U16 = 1,
 } CrumpleIndexType;
-typedef enum CrumpleSeams {
-    CRUMPLE_SEAMS_WELD = 0,
-    CRUMPLE_SEAMS_KEEP = 1,
-} CrumpleSeams;
 typedef struct CrumpleInput {
     const void *data;
     size_t size;
@@ -456,7 +450,6 @@ typedef struct CrumpleExampleSetOptions {
     float bake_tolerance;
     float bake_normal_tolerance;
     CrumpleInput vertex_masses;
-    CrumpleSeams seams;
     bool mirror;
     bool held_rims;
 } CrumpleExampleSetOptions;
@@ -640,10 +633,8 @@ CrumpleResult crumple_context_get_contact_totals(CrumpleContext *context, Crumpl
 extern "C" {
 #endif // __cplusplus
 CrumpleResult crumple_context_set_time(CrumpleContext *context, double time);
-CrumpleResult crumple_instance_set_tolerance(CrumpleContext *context, CrumpleInstance instance, float tolerance);
 CrumpleResult crumple_instance_set_view(CrumpleContext *context, CrumpleInstance instance, float pixels, float distance,
                                         float fov_y, float viewport_height, uint32_t *out_lod);
-float crumple_pixel_tolerance(float pixels, float distance, float fov_y, float viewport_height);
 CrumpleResult crumple_context_set_vertex_budget(CrumpleContext *context, uint64_t vertices);
 #ifdef __cplusplus
 }  // extern "C"
@@ -718,7 +709,6 @@ typedef struct CrumpleRecordReport {
     uint64_t vertices_written;
     uint64_t blocks_written;
     uint64_t blocks_skipped;
-    uint64_t examples_skipped;
     uint64_t bytes_copied;
     uint32_t dispatches;
     uint32_t reserved0;
