@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use arbitrary::Unstructured;
 use crumple::{
-    Contact, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, Mark, MeshData, Placement,
-    Serial, SetOptions,
+    Contact, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, Mark, MeshData, Placement, Serial,
+    SetOptions,
 };
 
 use crate::seeds;

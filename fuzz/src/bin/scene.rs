@@ -2,10 +2,12 @@
 //! oracle of the tests agrees within rounding.
 #![no_main]
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use arbitrary::Unstructured;
-use crumple::{ExampleSet, Instance, Mark, Serial, SimdLevel, TaskSystem, ThreadPool, Tracker, VertexMemory};
+use crumple::{
+    BasisOptions, ExampleSet, Instance, Mark, Serial, SimdLevel, TaskSystem, ThreadPool, Tracker, VertexMemory,
+};
 use crumple_fuzz::{scene, seeds, target};
 use oracle::vector::{add, from_f32, length, sub};
 use oracle::{Model, marks};
@@ -62,26 +64,36 @@ fn compare(set: &ExampleSet, body: &mut Instance, updated: &Output) {
     let given = body.marks().expect("marks").to_vec();
     let list = marks::marks_of(&model, &given);
     let scaled = marks::scaled(&model, &list);
-    let sizes = scaled.iter().map(|mark| marks::size(&model, mark).0);
+    let sizes = scaled.iter().map(|mark| marks::size(&model, mark));
     // A mark moves a vertex by at most the body's diagonal, before all are shortened to the depth limit.
     if sizes.fold(0.0, f64::max) > model.diagonal {
         return;
     }
-    let limit = marks::Limit { depth: f64::from(set.depth_limit()), give: 1.0 };
-    for (v, position) in updated.positions.iter().enumerate() {
+    // The oracle computes every vertex from the marks, so each is a node here.
+    let mut exact = ExampleSet::load_copy(&set.save().expect("a set of this version"), &Serial).expect("the same set");
+    let every = BasisOptions { tolerance: 1e9, rounds: 0, nodes: usize::MAX };
+    exact.learn_basis(&every, &Serial).expect("nodes");
+    let exact = Arc::new(exact);
+    let mut exact_body = Instance::new(exact.clone(), *body.options()).expect("an instance");
+    exact_body.load(&body.save()).expect("the same marks");
+    let mut shown = Output::new(&exact);
+    shown.update(&mut exact_body, &Serial);
+    let limit = f64::from(body.depth_limit());
+    let free = marks::Limit { depth: f64::INFINITY, give: 1.0 };
+    for (v, position) in shown.positions.iter().enumerate() {
         if list.iter().any(|mark| marks::on_a_border(&model, mark, v)) {
             continue;
         }
-        let (moved, _) = marks::displacement(&model, &scaled, v, limit);
+        let moved = marks::displacement(&model, &scaled, v, limit, free);
         let ought = add(model.positions[v], moved);
         let off = length(sub(from_f32(*position), ought));
-        let mut allowed = marks::rounding(ought, rounded(&model, &scaled));
+        let mut allowed = marks::rounding(ought, rounded(&model, &scaled), limit.min(16.0 * model.depth_limit));
         if off > allowed {
             // Where little changes much, such as the energy of a small dent at the rim of a great one, rounding does too.
             for factor in [1.0 - 2e-4, 1.0 + 2e-4] {
                 let near: Vec<_> = given.iter().map(|mark| Mark { depth: mark.depth * factor, ..*mark }).collect();
                 let near = marks::marks_of(&model, &near);
-                let (other, _) = marks::displacement(&model, &marks::scaled(&model, &near), v, limit);
+                let other = marks::displacement(&model, &marks::scaled(&model, &near), v, limit, free);
                 allowed += 2.0 * length(sub(other, moved));
             }
         }
@@ -105,7 +117,7 @@ fn rounded(model: &Model, scaled: &[marks::Scaled<'_>]) -> f64 {
         };
         grids.map(|grid| rise(&grid.heights) / grid.fade).fold(0.0, f64::max)
     };
-    scaled.iter().map(|mark| marks::TOGETHER * 2.0 * (1.0 + steep(mark.0)) * marks::size(model, mark).0).sum()
+    scaled.iter().map(|mark| marks::TOGETHER * 2.0 * (1.0 + steep(mark.0)) * marks::size(model, mark)).sum()
 }
 
 /// Memory for each attribute that the mesh has.
