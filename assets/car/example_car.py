@@ -1,10 +1,10 @@
 """Writes the car with examples of dents, from what strike_car.py left:
 
-    python example_car.py HITS_FOLDER OUT_FOLDER
+    python example_car.py HITS_FOLDER OUT_FOLDER [COUNT]
 
-OUT_FOLDER/car_dents.glb has the parts of car.glb with fewer vertices, and a morph target for each blow on each part that it moves. Parts of the skin follow the
-solver's shell. What is mounted on the skin moves with the place behind it, what lies inside moves the less the further it is from the skin, and
-wheels stay. OUT_FOLDER/crash.json is a list of impacts for the demo: some of the blows, and twenty stones at random places."""
+OUT_FOLDER/car_dents.glb has the parts of car.glb with fewer vertices, and a morph target for each blow, or each of the first COUNT, on each part
+that it moves. Parts of the skin follow the solver's shell. What is mounted on the skin moves with the place behind it, what lies inside moves the less the further it is from the skin, and
+wheels stay. OUT_FOLDER/crash.json is a list of impacts for the demo: some of the blows, and stones and hail at random places."""
 
 import json
 import sys
@@ -14,26 +14,30 @@ from types import SimpleNamespace
 import glb
 import make_car
 import numpy as np
-from crumple.examples import shell as shells
+from crumple.examples.body import point_normals
 from crumple.examples.run import quiet
 from panels import left_half, mirrored
 from scipy.spatial import cKDTree
 
-SIZE = 0.045
+SIZE = 0.026
 """Metres between vertices of the skin."""
-CRASH = (
-    ("a pole in the front", "front pole 2", None, None), ("a pole in the rear door", "side pole 4", None, None), ("a ball in the front door", "side ball 1", None, None),
-    ("a wall's edge in the corner", "front edge 1", (0.66, 0.5, 2.08), (0.35, 0.0, 1.0)), ("a ball on the hood", "hood ball 1", (0.42, 0.93, 1.35), (0.1, 1.0, 0.1)),
-    ("a ball on the roof", "roof ball 2", None, None),
+CRASH = (("a pole in the front", "front pole 2"), ("a wall's corner in the rear door", "side corner 2"))
+"""What hits the car in the demo, and the blow of which example it is."""
+RAIN = (
+    ("stone", 20, (0.01, 0.025), 0.7, (0.6, 0.6, 0.5), ("hood", "roof", "door_front_left", "door_rear_left", "fender_left", "body_left")),
+    ("hail", 40, (0.004, 0.01), 0.75, (0.0, 1.0, 0.0), ("hood", "roof", "trunk")),
 )  # fmt: skip
-"""What hits the car in the demo: a name, the blow of an example, and another place and normal for it."""
-STONES, SEED = 20, 35
+"""And what hits it at random places of these parts: the kind, how many, how deep the dents are in metres, and at least how squarely the place
+looks into a direction."""
+SEED = 35
 LEAST = 4e-4
 """m; smaller displacements are faded out."""
 INSIDE = 0.45
 """m; what lies deeper behind the skin does not move."""
 REACH = 0.5
 """m; parts further from the solver's shell do not move."""
+AROUND = 13
+"""Points of the shell that a point of the car follows; the last one has no weight."""
 
 
 # Wheels never dent. Wipers and seats are no part of the body. What breaks instead of denting is glass.
@@ -60,91 +64,98 @@ def parts():
 
 
 def read(path):
+    """A hit, or None if the file is empty, as those of blows that failed are."""
     with np.load(path) as file:
-        hit = SimpleNamespace(**{key: file[key] for key in file.files if key != "told"}, **json.loads(str(file["told"])))
-    solid = shells.Shell(hit.shell, hit.triangles, hit.held, float(np.linalg.norm(hit.shell[hit.triangles[:, 0]] - hit.shell[hit.triangles[:, 1]], axis=1).mean()), [])
-    return hit, solid
+        if file.files:
+            return SimpleNamespace(**{key: file[key] for key in file.files if key != "told"}, **json.loads(str(file["told"])))
+    return None
 
 
-def moved(hit, solid, points, skin):
-    """The displacements of points; `skin` says that they are cut from the skin."""
+def moved(hit, points, skin):
+    """The displacements of points; `skin` says that they are cut from the skin. A straight function is fitted to the displacements of the shell
+    around each point (moving least squares), so that the edges of the shell's triangles, which are longer than the car's, do not show."""
     out = np.zeros_like(points)
-    near = np.flatnonzero(cKDTree(hit.shell).query(points, distance_upper_bound=REACH)[0] < REACH)
-    if len(near) == 0:
+    distance, near = cKDTree(hit.shell).query(points, k=AROUND)
+    close = np.flatnonzero(distance[:, 0] < REACH)
+    if len(close) == 0:
         return out
-    carrier = shells.Carrier(solid, points[near])
-    if skin:
-        out[near] = carrier.field(hit.field)
-    else:
-        depth = -np.einsum("ij,ij->i", carrier.off, solid.normals[carrier.corners[:, 0]])
-        share = np.clip(1 - np.maximum(depth, 0) / INSIDE, 0, 1)
-        out[near] = share[:, None] * np.einsum("nk,nki->ni", carrier.weights, hit.field[carrier.corners])
+    distance, near = distance[close], near[close]
+    share = np.minimum((distance / distance[:, -1:]) ** 2, 1)
+    weight = (1 - share) ** 3 / (share + 0.1)
+    weight /= weight.sum(1, keepdims=True)
+    away = (hit.shell[near] - points[close, None]) / distance[:, -1:, None]
+    straight = np.concatenate([np.ones_like(away[:, :, :1]), away], 2)
+    normal = np.einsum("nk,nki,nkj->nij", weight, straight, straight)
+    # The shell says nothing of how displacements change across it, nor beyond its rim.
+    edge = np.linalg.norm(hit.shell[hit.triangles[:, 0]] - hit.shell[hit.triangles[:, 1]], axis=1).mean()
+    normal[:, [1, 2, 3], [1, 2, 3]] += 1e-3 + np.maximum(distance[:, :1] / edge - 1, 0)
+    solved = np.linalg.solve(normal, np.broadcast_to(np.eye(4)[:, :1], (len(close), 4, 1)))[:, :, 0]
+    out[close] = np.einsum("nk,nki,ni,nkj->nj", weight, straight, solved, hit.field[near])
+    if not skin:
+        outward = point_normals(hit.shell, hit.triangles)[near]
+        depth = np.einsum("nk,nkj,nkj->n", weight, outward, hit.shell[near] - points[close, None])
+        out[close] *= np.clip(1 - np.maximum(depth, 0) / INSIDE, 0, 1)[:, None]
     return out
 
 
 def impact(hit):
     """The entry of extras.impacts, as docs/impacts.md describes it."""
-    numbers = lambda values: [float(f"{value:.7g}") for value in values]  # noqa: E731
-    striker = {"mass": hit.mass, "radius": hit.radius, "velocity": numbers(hit.velocity), "shape": hit.shape}
+    number = lambda value: float(f"{value:.5g}")  # noqa: E731
+    numbers = lambda values: [number(value) for value in values]  # noqa: E731
+    striker = {"mass": number(hit.mass), "radius": number(hit.radius), "velocity": numbers(hit.velocity), "shape": hit.shape}
     normal = hit.normal / np.linalg.norm(hit.normal)
-    return {"name": hit.name, "point": numbers(hit.point), "normal": numbers(normal), "impulse": numbers(hit.impulse), "duration": hit.duration, "striker": striker}
+    told = {"name": hit.name, "point": numbers(hit.point), "normal": numbers(normal), "impulse": numbers(hit.impulse)}
+    return told | {"duration": number(hit.duration), "striker": striker}
 
 
 def crash(hits, nodes):
-    """The demo's impacts: blows of CRASH, and stones at random places of the sheet that is seen from the front and the left."""
-    by_name = {hit.name: impact(hit) for hit, _ in hits}
-    out = []
-    for name, blow, place, normal in CRASH:
-        one = {**by_name[blow], "striker": dict(by_name[blow]["striker"]), "name": name}
-        if place:
-            n = np.array(normal) / np.linalg.norm(normal)
-            along = lambda v: [float(f"{x:.5g}") for x in -np.linalg.norm(v) * n]  # noqa: B023, E731
-            one |= {"point": list(place), "normal": n.round(4).tolist(), "impulse": along(one["impulse"])}
-            one["striker"]["velocity"] = along(one["striker"]["velocity"])
-        out.append(one)
-    stone = next((impact(hit) for hit, _ in hits if hit.name.startswith("stone")), None)
-    if stone is None:
-        return out
+    """The demo's impacts: blows of CRASH, and stones and hail of RAIN at random places. Those displace their contacts by given lengths."""
+    told = {hit.name: impact(hit) for hit in hits}
+    out = [told[blow] | {"name": name} for name, blow in CRASH]
     random = np.random.default_rng(SEED)
-    panels = ("hood", "roof", "door_front_left", "door_rear_left", "fender_left", "body_left")
-    sheet = [p for name, primitives in nodes if name in panels for p in primitives if p[0].startswith("paint")]
-    points, normals = (np.concatenate([glb.to_gltf(p[k]) for p in sheet]) for k in (1, 2))
-    # Not the borders that are folded inwards, nor what looks down or back.
-    seen = np.flatnonzero((normals @ np.array([0.6, 0.6, 0.5]) > 0.35) & (points[:, 1] > 0.4))
-    weight = np.linalg.norm(stone["striker"]["velocity"]) * random.uniform(1.2, 2.4, STONES)
-    for k, v in enumerate(random.choice(seen, STONES, replace=False)):
-        n = normals[v] / np.linalg.norm(normals[v])
-        size = np.linalg.norm(stone["impulse"]) * weight[k] / np.linalg.norm(stone["striker"]["velocity"])
-        numbers = lambda values: [float(f"{value:.5g}") for value in values]  # noqa: E731
-        striker = stone["striker"] | {"velocity": numbers(-weight[k] * n)}
-        out.append({"name": f"stone {k + 1}", "point": numbers(points[v]), "normal": numbers(n), "impulse": numbers(-size * n), "striker": striker})
-    for one in out:
-        one.pop("duration", None)
-        one["striker"].pop("shape", None)
+    for kind, count, depths, squarely, towards, panels in RAIN:
+        sheet = [p for name, primitives in nodes if name in panels for p in primitives if p[0].startswith("paint")]
+        points, normals = (np.concatenate([glb.to_gltf(p[k]) for p in sheet]) for k in (1, 2))
+        # Not the borders that are folded inwards.
+        seen = np.flatnonzero(normals @ np.array(towards) / np.linalg.norm(towards) > squarely)
+        for k, v in enumerate(random.choice(seen, count, replace=False)):
+            numbers = lambda values: [float(f"{x:.4g}") for x in values]  # noqa: E731
+            out.append({"name": f"{kind} {k + 1}", "point": numbers(points[v]), "displacement": numbers(-random.uniform(*depths) * normals[v])})
     return out
 
 
 def main():
     folder, out = Path(sys.argv[1]), Path(sys.argv[2]) / "car_dents.glb"
     nodes, cut = parts()
-    hits = [read(path) for path in sorted(folder.glob("*.npz"))]
+    # In the order of the plan.
+    hits = [hit for hit in map(read, sorted(folder.glob("*.npz"))) if hit][: int(sys.argv[3]) if len(sys.argv) > 3 else None]
     if not hits:
         raise SystemExit(f"{folder} has no hits; make them with strike_car.py")
     points = [[glb.to_gltf(p[1]).astype(float) for p in primitives] for _, primitives in nodes]
     targets = {name: [] for name, _ in nodes}
-    for hit, solid in hits:
-        for (name, primitives), own in zip(nodes, points):
-            if name.startswith(KINDS["rigid"] + KINDS["moving"]):
-                continue
-            field = quiet(moved(hit, solid, np.concatenate(own), name in cut), LEAST)
+    still = KINDS["rigid"] + KINDS["moving"]
+    vertices = cKDTree(np.concatenate([np.concatenate(own) for own in points]))
+    kept = 0
+    for hit in hits:
+        fields = [
+            np.zeros((sum(map(len, own)), 3)) if name.startswith(still) else quiet(moved(hit, np.concatenate(own), name in cut), LEAST)
+            for (name, _), own in zip(nodes, points)
+        ]
+        # The library wants an example to move its own contact.
+        if not np.concatenate(fields)[vertices.query(hit.point)[1]].any():
+            print(f"{hit.name}: nothing is left at its contact")
+            continue
+        told, kept = impact(hit), kept + 1
+        for (name, _), own, field in zip(nodes, points, fields):
             if field.any():
-                pieces = np.split(field, np.cumsum([len(one) for one in own])[:-1])
-                targets[name].append((hit.name, impact(hit), pieces))
+                # One part tells the blow for all.
+                targets[name].append((hit.name, told, np.split(field, np.cumsum([len(one) for one in own])[:-1])))
+                told = None
         print(hit.name, f"{1000 * np.linalg.norm(hit.field, axis=1).max():.0f} mm", flush=True)
     impacts = json.dumps(crash(hits, nodes))
     out.with_name("crash.json").write_text(impacts.replace('{"name"', '\n  {"name"').replace("]]", "]\n]") + "\n")
     glb.write(out, nodes, targets=targets, kinds=kinds(nodes))
-    print(f"{out}: {len(hits)} examples, {sum(len(p) for some in points for p in some)} vertices, {out.stat().st_size / 1e6:.2f} MB")
+    print(f"{out}: {kept} examples, {sum(len(p) for some in points for p in some)} vertices, {out.stat().st_size / 1e6:.2f} MB")
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@ import json
 import struct
 
 import numpy as np
+import packing
 
 # Name: base colour, metallic, roughness, further properties.
 MATERIALS = {
@@ -43,75 +44,140 @@ def to_gltf(v):
     return np.ascontiguousarray(v[:, [1, 2, 0]], np.float32)
 
 
+# Powers of two of what packed numbers are multiples of: 0.03 and 0.06 mm, and a 4096th of a texture.
+PLACE, MOVE, TEXEL = -15, -14, -12
+NORMAL_BITS = 13
+EXTENSION = "EXT_meshopt_compression"
+
+
+class Store:
+    """The buffer of a file, its views and accessors."""
+
+    def __init__(self, packs):
+        self.packs, self.data, self.views, self.accessors, self.unpacked = packs, bytearray(), [], [], 0
+        self.which, self.moved = [], []
+
+    def _append(self, content):
+        while len(self.data) % 4:
+            self.data.append(0)
+        self.data.extend(content)
+        return len(self.data) - len(content)
+
+    def plain(self, array, target):
+        at = self._append(array.tobytes())
+        self.views.append({"buffer": 0, "byteOffset": at, "byteLength": array.nbytes, "target": target})
+        return len(self.views) - 1
+
+    def packed(self, array, mode, filtered="NONE"):
+        """A view of packed bytes. The second buffer stands for those that a reader unpacks, and is not in the file."""
+        content = packing.rows(array) if mode == "ATTRIBUTES" else packing.sequence(array)
+        stride = array.nbytes // len(array)
+        extension = {"buffer": 0, "byteOffset": self._append(content), "byteLength": len(content), "byteStride": stride, "mode": mode, "count": len(array)}
+        if filtered != "NONE":
+            extension["filter"] = filtered
+        self.views.append({"buffer": 1, "byteOffset": self.unpacked, "byteLength": array.nbytes, "extensions": {EXTENSION: extension}})
+        self.unpacked += (array.nbytes + 3) // 4 * 4
+        return len(self.views) - 1
+
+    def accessor(self, view, component, count, kind, **more):
+        self.accessors.append({"bufferView": view, "componentType": component, "count": count, "type": kind, **more})
+        return len(self.accessors) - 1
+
+    def floats(self, array, kind, exponent, bounds=False):
+        array = np.ascontiguousarray(array, np.float32)
+        if self.packs:
+            stepped = packing.steps(array, exponent)
+            array = (np.round(array.astype(float) / 2.0**exponent) * 2.0**exponent).astype(np.float32)
+            view = self.packed(stepped, "ATTRIBUTES", "EXPONENTIAL")
+        else:
+            view = self.plain(array, ARRAY)
+        more = {"min": [float(x) for x in array.min(0)], "max": [float(x) for x in array.max(0)]} if bounds else {}
+        return self.accessor(view, FLOAT, len(array), kind, **more)
+
+    def normals(self, array):
+        if not self.packs:
+            return self.floats(array, "VEC3", PLACE)
+        view = self.packed(packing.octahedral(array, NORMAL_BITS), "ATTRIBUTES", "OCTAHEDRAL")
+        self.views[view]["byteStride"] = 8
+        return self.accessor(view, SHORT, len(array), "VEC3", normalized=True)
+
+    def indices(self, triangles, vertices):
+        array = np.ascontiguousarray(triangles.reshape(-1), np.uint16 if vertices < 65535 else np.uint32)
+        view = self.packed(array, "INDICES") if self.packs else self.plain(array, INDICES)
+        return self.accessor(view, U16 if array.dtype == np.uint16 else U32, len(array), "SCALAR")
+
+    def moves(self, moves):
+        """A morph target, with the vertices that move. Those of all targets are packed together, by `finish`."""
+        whole = np.round(moves / 2.0**MOVE)
+        which = np.flatnonzero(whole.any(1))
+        bounds = {"min": (whole.min(0) * 2.0**MOVE).tolist(), "max": (whole.max(0) * 2.0**MOVE).tolist()}
+        one = {"componentType": FLOAT, "count": len(moves), "type": "VEC3", **bounds}
+        if len(which) == 0:
+            # An accessor without data is zero.
+            return self.shared(one)
+        first = sum(len(part) for part in self.which)
+        one["sparse"] = {"count": len(which), "indices": {"byteOffset": 4 * first, "componentType": U32}, "values": {"byteOffset": 12 * first}}
+        self.which.append(which)
+        self.moved.append(moves[which])
+        self.accessors.append(one)
+        return len(self.accessors) - 1
+
+    def shared(self, one):
+        if one not in self.accessors:
+            self.accessors.append(one)
+        return self.accessors.index(one)
+
+    def finish(self):
+        if self.which:
+            index = self.packed(np.concatenate(self.which).astype(np.uint32), "INDICES")
+            values = self.packed(packing.steps(np.concatenate(self.moved), MOVE), "ATTRIBUTES", "EXPONENTIAL")
+            for sparse in (one["sparse"] for one in self.accessors if "sparse" in one):
+                sparse["indices"]["bufferView"], sparse["values"]["bufferView"] = index, values
+        self.data.extend(bytes(-len(self.data) % 4))
+
+
+ARRAY, INDICES = 34962, 34963
+FLOAT, SHORT, U16, U32 = 5126, 5122, 5123, 5125
+
+
 def write(path, nodes, extras=None, targets=None, kinds=None):
     """nodes: (name, primitives); a primitive is (material or None, vertices, normals, texture coordinates or None, triangles).
 
-    targets: for each name of a node a list of (name, impact, displacements of each primitive in glTF's axes), morph targets of 16-bit numbers.
+    targets: for each name of a node a list of (name, impact or None, displacements of each primitive in glTF's axes), which become morph targets.
+    A file with targets is packed, as EXT_meshopt_compression says.
     kinds: what Crumple is to make of nodes and materials that are no plain sheet, by name: moving or glass.
     """
     names = sorted({p[0] for _, primitives in nodes for p in primitives if p[0]})
-    data, views, accessors = bytearray(), [], []
-
-    def add(array, target, kind, bounds=False):
-        while len(data) % 4:
-            data.append(0)
-        views.append({"buffer": 0, "byteOffset": len(data), "byteLength": array.nbytes, "target": target})
-        data.extend(array.tobytes())
-        component = {"f": 5126, "H": 5123, "I": 5125}[array.dtype.char if array.dtype.char != "L" else "I"]
-        a = {"bufferView": len(views) - 1, "componentType": component, "count": len(array), "type": kind}
-        if bounds:
-            a["min"], a["max"] = [float(x) for x in array.min(0)], [float(x) for x in array.max(0)]
-        accessors.append(a)
-        return len(accessors) - 1
-
-    def sparse(moves):
-        """A morph target's accessor; displacements are up to a metre."""
-        steps = np.round(np.clip(moves, -1, 1) * 32767).astype(np.int16)
-        which = np.flatnonzero(steps.any(1))
-        which = which if len(which) else np.zeros(1, np.int64)
-        add(which.astype(np.uint16 if len(moves) <= 65536 else np.uint32), None, "SCALAR")
-        index = accessors.pop()
-        views[-1].pop("target")
-        while len(data) % 4:
-            data.append(0)
-        packed = np.ascontiguousarray(steps[which])
-        views.append({"buffer": 0, "byteOffset": len(data), "byteLength": packed.nbytes})
-        data.extend(packed.tobytes())
-        accessors.append({
-            "componentType": 5122, "normalized": True, "count": len(moves), "type": "VEC3", "min": steps.min(0).tolist(), "max": steps.max(0).tolist(),
-            "sparse": {"count": len(which), "indices": {"bufferView": len(views) - 2, "componentType": index["componentType"]}, "values": {"bufferView": len(views) - 1}},
-        })  # fmt: skip
-        return len(accessors) - 1
-
+    store = Store(packs=targets is not None)
     meshes = []
     for name, primitives in nodes:
         out, moving = [], (targets or {}).get(name, [])
         for k, (mat, v, n, uv, t) in enumerate(primitives):
-            a = {"POSITION": add(to_gltf(v), 34962, "VEC3", True)}
+            a = {"POSITION": store.floats(to_gltf(v), "VEC3", PLACE, bounds=True)}
             if n is not None:
-                a["NORMAL"] = add(to_gltf(n), 34962, "VEC3")
+                a["NORMAL"] = store.normals(to_gltf(n))
             if uv is not None:
-                a["TEXCOORD_0"] = add(np.ascontiguousarray(uv, np.float32), 34962, "VEC2")
-            kind = np.uint16 if len(v) < 65535 else np.uint32
-            p = {"attributes": a, "indices": add(np.ascontiguousarray(t.reshape(-1), kind), 34963, "SCALAR")}
+                a["TEXCOORD_0"] = store.floats(uv, "VEC2", TEXEL)
+            p = {"attributes": a, "indices": store.indices(t, len(v))}
             if mat:
                 p["material"] = names.index(mat)
             if moving:
-                p["targets"] = [{"POSITION": sparse(pieces[k])} for _, _, pieces in moving]
+                p["targets"] = [{"POSITION": store.moves(pieces[k])} for _, _, pieces in moving]
             out.append(p)
         meshes.append({"name": name, "primitives": out})
         if moving:
             meshes[-1]["weights"] = [0.0] * len(moving)
-            meshes[-1]["extras"] = {"targetNames": [one[0] for one in moving], "impacts": [one[1] for one in moving]}
+            meshes[-1]["extras"] = {"targetNames": [one[0] for one in moving], "impacts": [one[1] for one in moving if one[1]]}
+    store.finish()
     g = {
         "asset": {"version": "2.0", "generator": "make_car.py", "copyright": "Crumple contributors, MIT OR Apache-2.0"},
         "scene": 0,
         "scenes": [{"name": "car", "nodes": list(range(len(nodes)))}],
         "nodes": [{"name": name, "mesh": i} for i, (name, _) in enumerate(nodes)],
         "meshes": meshes,
-        "accessors": accessors,
-        "bufferViews": views,
-        "buffers": [{"byteLength": len(data)}],
+        "accessors": store.accessors,
+        "bufferViews": store.views,
+        "buffers": [{"byteLength": len(store.data)}],
     }
     for node in g["nodes"]:
         if node["name"] in (kinds or {}):
@@ -123,15 +189,14 @@ def write(path, nodes, extras=None, targets=None, kinds=None):
                 m["extras"] = {"crumple": kinds[m["name"]]}
         if any("extensions" in m for m in g["materials"]):
             g["extensionsUsed"] = ["KHR_materials_clearcoat"]
-    if targets:
+    if store.packs:
         g["scenes"][0]["extras"] = {"targets": "joined"}
-        g["extensionsUsed"] = [*g.get("extensionsUsed", []), "KHR_mesh_quantization"]
-        g["extensionsRequired"] = ["KHR_mesh_quantization"]
+        g["extensionsUsed"] = [*g.get("extensionsUsed", []), "KHR_mesh_quantization", EXTENSION]
+        g["extensionsRequired"] = ["KHR_mesh_quantization", EXTENSION]
+        g["buffers"].append({"byteLength": store.unpacked, "extensions": {EXTENSION: {"fallback": True}}})
     if extras:
         g["asset"]["extras"] = extras
-    while len(data) % 4:
-        data.append(0)
-    g["buffers"][0]["byteLength"] = len(data)
+    data = store.data
     text = json.dumps(g, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
     body = struct.pack("<II", len(text), 0x4E4F534A) + text + struct.pack("<II", len(data), 0x004E4942) + bytes(data)

@@ -5,7 +5,8 @@
 CAR_FOLDER is what make_car.py wrote, HITS_FOLDER gets a file for each blow; those that are there are not made again. The solver is that of
 `crumple examples` (the Python package in bindings/python). A shell of the whole car would have edges of 13 cm at a cost of four seconds a
 blow, so each blow has a shell of its own: the part of the skin around it. It is held where it was cut. Engine, cabin floor,
-dashboard and axles stand behind it as rigid solids. The blows are a table, and nothing is random.
+dashboard and axles stand behind it as rigid solids. The blows are a table, and others that vary those of the table by a fixed seed. Each is
+tried once: its energy is a guess from the depth that is meant, and the dent that comes is kept.
 """
 
 import argparse
@@ -23,6 +24,7 @@ from crumple.examples.flight import Blow
 from crumple.examples.materials import MATERIALS
 from crumple.examples.solver import Solver
 from scipy.spatial import cKDTree
+from scipy.stats import qmc
 
 MATERIAL, THICKNESS = "steel", 0.0008
 POINTS = 1000
@@ -32,16 +34,18 @@ RIGID = ("engine", "cell", "dashboard", "axle_front", "axle_rear")
 EXPONENT = 1.2
 """Energy grows with this power of the depth."""
 STIFFNESS = {
-    "front pole": 280, "side pole": 600, "rear pole": 300, "front edge": 420, "side edge": 450, "rear edge": 420, "front wall": 1200, "side wall": 1200,
-    "rear wall": 1200, "front corner": 60, "side corner": 60, "rear corner": 60, "roof corner": 40, "stone": 19,
+    "front pole": 400, "side pole": 600, "rear pole": 300, "front edge": 420, "side edge": 450, "rear edge": 420, "front wall": 1200, "side wall": 1200,
+    "rear wall": 1200, "front corner": 400, "side corner": 350, "rear corner": 400, "roof corner": 80, "stone": 45, "hail": 40,
 }  # fmt: skip
 OTHER = 80.0
 """A guess of a blow's energy by depth ** EXPONENT and by the sheet's strength, from trials."""
-TRIES = 2
-ALIKE = 2.2
-"""A dent whose depth is within this factor of what was wanted is kept. Else the blow is made again with another energy."""
 WORST = 0.3
 """m; the deepest displacement of an example."""
+DRAWN, SEED = 320, 35
+"""Blows beside the table's."""
+PLACE, DEPTH, TURN, RADIUS = 0.28, (0.35, 1.15), 25.0, 0.35
+"""How a drawn blow may differ from one of the table: by this share of the shell's reach along each axis, by factors of the depth, by degrees of the
+flight, by a factor of e to this power of the radius."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +65,10 @@ class Wanted:
     normal: tuple[float, float, float] | None = None
     spin: float = 0.0
 
+    @property
+    def kind(self):
+        return self.name.rsplit(" ", 1)[0]
+
 
 def table():
     """The blows, all on the left half or in the middle: the library mirrors them."""
@@ -75,7 +83,7 @@ def table():
     add("side pole", "pole", 0.13, 1.05, ((0.9, 0.6, 0.25), 0.10), ((0.9, 0.6, 0.05), 0.20), ((0.9, 0.6, -0.65), 0.09), ((0.9, 0.6, -0.75), 0.18), ((0.9, 0.6, -1.75), 0.12), ((0.9, 0.6, 0.85), 0.13))
     add("front edge", "pole", 0.05, 1.05, ((0.2, 0.5, 2.2), 0.15, 0, front), ((0.55, 0.5, 2.1), 0.24, 0, front), ((0.72, 0.5, 1.95), 0.12, 20))
     small = (((0.1, 0.95, 1.4), 0.016), ((0.5, 0.93, 1.5), 0.024), ((0.25, 0.88, 1.9), 0.010), ((0.88, 0.75, 0.2), 0.020), ((0.9, 0.6, -0.5), 0.028), ((0.9, 0.85, -1.6), 0.014), ((0.85, 0.8, 1.6), 0.016), ((0.1, 1.45, -0.1), 0.016), ((0.45, 1.42, -0.4), 0.026), ((0.2, 1.1, -1.95), 0.018))
-    add("stone", "ball", 0.06, 0.5, *small)
+    add("stone", "ball", 0.06, 0.35, *small)
     add("front corner", "corner", 0.5, 1.1, ((0.55, 0.55, 2.1), 0.14), ((0.25, 0.72, 2.1), 0.10), ((0.80, 0.72, 1.75), 0.12))
     add("hood ball", "ball", 0.18, 0.9, ((0.0, 0.95, 1.5), 0.07), ((0.45, 0.95, 1.25), 0.05), ((0.3, 0.9, 1.8), 0.09))
     add("rear pole", "pole", 0.13, 1.05, ((0, 0.6, -2.3), 0.13, 0, rear), ((0.4, 0.6, -2.25), 0.22, 0, rear))
@@ -92,6 +100,27 @@ def table():
     add("side wall", "wall", 5.0, 1.05, ((0.9, 0.65, -0.2), 0.07, 0, (1, 0, 0)))
     add("rear wall", "wall", 5.0, 1.05, ((0.3, 0.6, -2.3), 0.10, 0, rear),)
     add("roof corner", "corner", 0.4, 1.0, ((0.15, 1.45, -0.2), 0.10), ((0.6, 1.33, 0.1), 0.09, 0, None, 0.6))
+    add("hail", "ball", 0.03, 0.22, ((0.2, 0.95, 1.4), 0.006), ((0.5, 0.93, 1.4), 0.009), ((0.1, 1.45, -0.3), 0.006), ((0.45, 1.42, -0.1), 0.010), ((0.3, 1.1, -1.95), 0.007))
+    return out
+
+
+def drawn(base):
+    """Further blows: those of the table in turn, each at another place, with another energy, direction and radius."""
+    count = {}
+    for one in base:
+        count[one.kind] = count.get(one.kind, 0) + 1
+    order = np.random.default_rng(SEED).permutation(len(base))
+    out = []
+    for k, u in enumerate(qmc.Sobol(7, seed=SEED).random(DRAWN)):
+        one = base[order[k % len(base)]]
+        count[one.kind] += 1
+        aim = np.array(one.aim) + PLACE * one.reach * (2 * u[:3] - 1)
+        # The library mirrors the left half.
+        aim[0] = abs(aim[0])
+        low, high = DEPTH
+        depth = one.depth * low * (high / low) ** u[3]
+        turn, radius = one.turn + TURN * (2 * u[4] - 1), one.radius * np.exp(RADIUS * (2 * u[5] - 1))
+        out.append(replace(one, name=f"{one.kind} {count[one.kind]}", aim=tuple(aim), radius=float(radius), depth=depth, turn=turn, spin=2 * np.pi * u[6]))
     return out
 
 
@@ -122,7 +151,7 @@ def patch(body, aim, reach, solids):
 
 
 def strike(body, solids, wanted):
-    """The results of a wanted blow, the last one as deep as wanted if that could be had."""
+    """The shell, and what the blow left, or None."""
     made, at = patch(body, np.array(wanted.aim), wanted.reach, solids)
     material = MATERIALS[MATERIAL]
     solver = Solver(made, material, THICKNESS)
@@ -135,22 +164,17 @@ def strike(body, solids, wanted):
     side = np.cross([0.0, 1.0, 0.0], normal)
     side /= max(np.linalg.norm(side), 1e-9)
     direction = -np.cos(angle) * normal + np.sin(angle) * side
-    energy = STIFFNESS.get(wanted.name.rsplit(' ', 1)[0], OTHER) * material.strength(THICKNESS) * wanted.depth**EXPONENT
-    good = []
-    for attempt in range(TRIES):
-        speed = 4.0 if energy < 200 else 7.0
-        blow = Blow(made.points[vertex], normal, direction, speed, 2 * energy / speed**2, wanted.radius, wanted.shape, wanted.spin)
-        began = time.process_time()
-        result = run.strike(solver, attempt, blow)
-        depth = result.depth if result.made is None else float(np.linalg.norm(result.made.field, axis=1).max())
-        print(f"{wanted.name}: {len(made.points)} points, edge {1000 * made.edge:.0f} mm, {energy:.0f} J, {result.trouble or 'good'}, {1000 * depth:.0f} of {1000 * wanted.depth:.0f} mm, {result.steps} steps, {time.process_time() - began:.1f} s", flush=True)
-        if result.made is not None and depth < WORST:
-            good.append((depth, result.made))
-            if max(depth / wanted.depth, wanted.depth / depth) < ALIKE:
-                break
-        energy *= 0.5 if result.trouble else float(np.clip((wanted.depth / max(depth, 1e-4)) ** EXPONENT, 0.1, 8))
-    good.sort(key=lambda one: abs(np.log(one[0] / wanted.depth)))
-    return made, [one for _, one in good[:1]]
+    energy = STIFFNESS.get(wanted.kind, OTHER) * material.strength(THICKNESS) * wanted.depth**EXPONENT
+    speed = 4.0 if energy < 200 else 7.0
+    blow = Blow(made.points[vertex], normal, direction, speed, 2 * energy / speed**2, wanted.radius, wanted.shape, wanted.spin)
+    result = run.strike(solver, 0, blow)
+    depth = result.depth if result.made is None else float(np.linalg.norm(result.made.field, axis=1).max())
+    print(
+        f"{wanted.name}: {len(made.points)} points, edge {1000 * made.edge:.0f} mm, {energy:.0f} J, {result.trouble or 'good'}, "
+        f"{1000 * depth:.0f} of {1000 * wanted.depth:.0f} mm, {result.steps} steps, {result.seconds:.1f} s",
+        flush=True,
+    )
+    return made, result.made if depth < WORST else None
 
 
 _state = {}
@@ -163,14 +187,17 @@ def start(folder):
 
 
 def work(wanted, path):
-    made, good = strike(_state["body"], _state["solids"], wanted)
-    for one in good:
+    made, one = strike(_state["body"], _state["solids"], wanted)
+    arrays = {}
+    if one is not None:
         told = {key: getattr(one, key) for key in ("duration", "mass", "radius", "shape")} | {"name": wanted.name}
         arrays = {key: getattr(one, key) for key in ("field", "point", "normal", "impulse", "velocity")}
-        temporary = path.with_suffix(".part")
-        with temporary.open("wb") as file:
-            np.savez_compressed(file, told=json.dumps(told), shell=made.points, triangles=made.triangles, held=made.held, **arrays)
-        temporary.replace(path)
+        arrays |= {"told": json.dumps(told), "shell": made.points, "triangles": made.triangles, "held": made.held}
+    # A blow that failed leaves an empty file and is not made again.
+    temporary = path.with_suffix(".part")
+    with temporary.open("wb") as file:
+        np.savez_compressed(file, **arrays)
+    temporary.replace(path)
 
 
 def main():
@@ -181,9 +208,11 @@ def main():
     p.add_argument("--only", nargs="+", metavar="NAME", help="blows whose names begin so")
     a = p.parse_args()
     a.hits.mkdir(parents=True, exist_ok=True)
-    todo = [(one, a.hits / f"{one.name.replace(' ', '_')}.npz") for one in table() if not a.only or one.name.startswith(tuple(a.only))]
+    base = table()
     # The first of each kind first, so that an interrupted run has a bit of everything.
-    todo = sorted([(one, path) for one, path in todo if not path.exists()], key=lambda one: int(one[0].name.rsplit(" ", 1)[1]))
+    blows = sorted(base, key=lambda one: int(one.name.rsplit(" ", 1)[1])) + drawn(base)
+    todo = [(one, a.hits / f"{k:03}_{one.name.replace(' ', '_')}.npz") for k, one in enumerate(blows) if not a.only or one.name.startswith(tuple(a.only))]
+    todo = [(one, path) for one, path in todo if not path.exists()]
     with ProcessPoolExecutor(a.jobs, initializer=start, initargs=(a.car,)) as pool:
         for future in [pool.submit(work, *one) for one in todo]:
             future.result()

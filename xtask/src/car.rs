@@ -14,6 +14,8 @@ use crate::tools::Tool;
 use crate::workspace::{Workspace, empty_directory};
 
 const ASSETS: &str = "assets/car";
+/// Examples that the repository keeps, some 40 kB each.
+const KEPT: &str = "100";
 
 #[derive(Args)]
 pub struct Options {
@@ -23,8 +25,8 @@ pub struct Options {
     /// Also draw the car in Blender without a window, into car.png there; this installs `bpy`, about 400 MB
     #[arg(long)]
     picture: bool,
-    /// Also strike the car with a solver, and write its examples and the demo's impacts into assets/car; this takes a quarter of
-    /// an hour of a core, and goes on where it was interrupted
+    /// Also strike the car with a solver; write all of its examples to the folder, and those that the repository keeps, with the
+    /// demo's impacts, into assets/car. This takes about forty minutes of a core, and goes on where it was interrupted
     #[arg(long)]
     examples: bool,
 }
@@ -56,7 +58,8 @@ fn examples(workspace: &Workspace, out: &Path) -> Result<()> {
     let (assets, hits) = (workspace.path(ASSETS), out.join("hits"));
     let (strike, write) = (assets.join("strike_car.py"), assets.join("example_car.py"));
     cmd!(sh, "{python} -B -W ignore {strike} {out} {hits}").quiet().run()?;
-    cmd!(sh, "{python} -B {write} {hits} {assets}").quiet().run()?;
+    cmd!(sh, "{python} -B {write} {hits} {assets} {KEPT}").quiet().run()?;
+    cmd!(sh, "{python} -B {write} {hits} {out}").quiet().run()?;
     Ok(())
 }
 
