@@ -246,39 +246,31 @@ fn errors(fitting: &Fitting<'_>, tile: usize, fitted: &FittedTile) -> Vec<f32> {
     errors
 }
 
-/// The unit of slopes of each tile. Tiles with vertices at one position have the same, so that their normals have the same bits.
+/// The unit of each vertex's slopes. Vertices at one position have the same, so that their normals have the same bits.
 fn slope_units(mesh: &Mesh, fitted: &[FittedTile]) -> Vec<f32> {
-    let own = |tile: &FittedTile| tile.slopes.iter().flatten().flatten().fold(0.0, |a: f32, b| a.max(b.abs()));
-    let mut steepest: Vec<f32> = fitted.iter().map(own).collect();
-    // Which tiles belong together: each names an earlier one of its group, or itself.
-    let mut group: Vec<usize> = (0..fitted.len()).collect();
-    fn first(group: &mut [usize], mut of: usize) -> usize {
-        while group[of] != of {
-            group[of] = group[group[of]];
-            of = group[of];
-        }
-        of
+    let own = |v: usize| {
+        let slopes = fitted[v / TILE].slopes.iter().flat_map(|of_node| of_node[v % TILE]);
+        slopes.fold(0.0, |a: f32, b| a.max(b.abs()))
+    };
+    let mut steepest: Vec<f32> = (0..TILE * fitted.len()).map(own).collect();
+    for (v, w) in mesh.weld().iter().enumerate() {
+        steepest[*w as usize] = steepest[*w as usize].max(steepest[v]);
     }
     for (v, w) in mesh.weld().iter().enumerate() {
-        let [a, b] = [v / TILE, *w as usize / TILE].map(|tile| first(&mut group, tile));
-        group[a.max(b)] = a.min(b);
-    }
-    for tile in 0..fitted.len() {
-        let of = first(&mut group, tile);
-        steepest[of] = steepest[of].max(steepest[tile]);
+        steepest[v] = steepest[*w as usize];
     }
     let unit = |steepest: f32| {
         if steepest > 0.0 && steepest.is_finite() { (steepest / 127.0).max(f32::MIN_POSITIVE) } else { 1.0 }
     };
-    (0..fitted.len()).map(|tile| unit(steepest[first(&mut group, tile)])).collect()
+    steepest.into_iter().map(unit).collect()
 }
 
 /// Packs fitted tiles of a mesh.
 fn rows(mesh: &Mesh, fitted: Vec<FittedTile>) -> Rows {
-    let units = slope_units(mesh, &fitted);
+    let slope_units = if mesh.normals().is_some() { slope_units(mesh, &fitted) } else { Vec::new() };
     let (mut tiles, mut nodes) = (Vec::with_capacity(fitted.len()), Vec::new());
     let (mut weights, mut slopes) = (Vec::new(), Vec::new());
-    for (mut tile, unit) in fitted.into_iter().zip(units) {
+    for (at, mut tile) in fitted.into_iter().enumerate() {
         let with_slopes = !tile.slopes.is_empty();
         if tile.nodes.len() % 2 == 1 {
             tile.nodes.extend(tile.nodes.last().copied());
@@ -286,18 +278,14 @@ fn rows(mesh: &Mesh, fitted: Vec<FittedTile>) -> Rows {
             tile.slopes.extend(with_slopes.then_some([[0.0; 2]; TILE]));
         }
         let most = (0..TILE).map(|v| tile.weights.iter().map(|w| w[v].unsigned_abs()).sum::<u32>()).max();
-        tiles.push(Tile {
-            first: nodes.len() as u32,
-            count: tile.nodes.len() as u32,
-            slope: unit,
-            most: most.unwrap_or(0),
-        });
+        tiles.push(Tile { first: nodes.len() as u32, count: tile.nodes.len() as u32, most: most.unwrap_or(0) });
         for pair in tile.weights.chunks_exact(2) {
             weights.extend((0..TILE).flat_map(|v| [pair[0][v] as i8, pair[1][v] as i8]));
         }
         for k in 0..if with_slopes { 2 } else { 0 } {
             // They sum to 0, so that what moves as a whole does not turn.
-            let of_vertex = |v: usize| whole(tile.slopes.iter().map(|s| f64::from(s[v][k] / unit)).collect(), 0);
+            let units = &slope_units[at * TILE..(at + 1) * TILE];
+            let of_vertex = |v: usize| whole(tile.slopes.iter().map(|s| f64::from(s[v][k] / units[v])).collect(), 0);
             let numbers: Vec<Vec<i32>> = (0..TILE).map(of_vertex).collect();
             for pair in (0..tile.nodes.len()).step_by(2) {
                 slopes.extend(numbers.iter().flat_map(|of| [of[pair] as i8, of[pair + 1] as i8]));
@@ -305,5 +293,11 @@ fn rows(mesh: &Mesh, fitted: Vec<FittedTile>) -> Rows {
         }
         nodes.append(&mut tile.nodes);
     }
-    Rows { tiles: tiles.into(), nodes: nodes.into(), weights: weights.into(), slopes: slopes.into() }
+    Rows {
+        tiles: tiles.into(),
+        nodes: nodes.into(),
+        weights: weights.into(),
+        slopes: slopes.into(),
+        slope_units: slope_units.into(),
+    }
 }

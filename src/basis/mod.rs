@@ -41,8 +41,10 @@ pub(crate) struct Rows {
     /// For each tile, pair of nodes and vertex: the two weights, in units of 1 / [`ONE`]. A tile has room for [`TILE`] vertices.
     pub weights: Array<i8>,
     /// The same for slopes along the two tangents of the vertex ([`crate::base::math::tangent_basis`] of its normal), in units of
-    /// the tile's `slope`: all pairs along the first tangent, then all along the second. Empty for meshes without normals.
+    /// the vertex's own: all pairs along the first tangent, then all along the second. Empty for meshes without normals.
     pub slopes: Array<i8>,
+    /// The unit of each vertex's slopes, 1/m; [`TILE`] for each tile. Empty for meshes without normals.
+    pub slope_units: Array<f32>,
 }
 
 /// One tile.
@@ -53,8 +55,6 @@ pub(crate) struct Tile {
     pub first: u32,
     /// Number of its nodes, even.
     pub count: u32,
-    /// The unit of slopes, 1/m.
-    pub slope: f32,
     /// The largest sum of absolute weights of a vertex, in units of 1 / [`ONE`].
     pub most: u32,
 }
@@ -86,9 +86,14 @@ impl Rows {
         self.slopes.get(2 * TILE * t.first as usize..2 * TILE * (t.first + t.count) as usize).filter(|s| !s.is_empty())
     }
 
+    /// The units of a tile's slopes, 1/m; empty for meshes without normals.
+    pub(crate) fn slope_units_of(&self, tile: usize) -> &[f32] {
+        self.slope_units.get(tile * TILE..(tile + 1) * TILE).unwrap_or_default()
+    }
+
     /// Memory used, bytes.
     pub(crate) fn bytes(&self) -> usize {
-        self.tiles.bytes() + self.nodes.bytes() + self.weights.bytes() + self.slopes.bytes()
+        self.tiles.bytes() + self.nodes.bytes() + self.weights.bytes() + self.slopes.bytes() + self.slope_units.bytes()
     }
 }
 

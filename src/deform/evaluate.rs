@@ -133,7 +133,8 @@ fn followed(
                 weights: rows.weights_of(first + tile),
                 slopes: rows.slopes_of(first + tile).unwrap_or_default(),
                 unit: nodes.step / ONE as f32,
-                slope_unit: nodes.step * head.slope,
+                slope_units: rows.slope_units_of(first + tile),
+                step: nodes.step,
                 limit: job.view.limit(longest),
                 own: DamageView::own_limits(&job.lod.mesh, job.block, longest),
             };

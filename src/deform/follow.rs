@@ -28,8 +28,9 @@ pub(crate) struct Following<'a> {
     pub slopes: &'a [i8],
     /// What a sum of weights times steps is multiplied by, m.
     pub unit: f32,
-    /// What a sum of slopes times steps is multiplied by.
-    pub slope_unit: f32,
+    /// The unit of each vertex's slopes, 1/m, [`TILE`] of them, and the step, m. Empty without normals.
+    pub slope_units: &'a [f32],
+    pub step: f32,
     /// The depth limit, m; `None` if nothing reaches it.
     pub limit: Option<f32>,
     /// The limits of the block's vertices; `None` if nothing reaches them.
@@ -59,8 +60,8 @@ unsafe fn sums<S: Simd>(moves: &[[i32; 3]], weights: *const i8, at: usize) -> [[
 
 /// Vectors of whole numbers times `unit`.
 #[inline(always)]
-unsafe fn in_units<S: Simd>(v: [S::I; 3], unit: f32) -> V<S> {
-    unsafe { each!(k => S::mul(S::float(v[k]), S::splat(unit))) }
+unsafe fn in_units<S: Simd>(v: [S::I; 3], unit: S::F) -> V<S> {
+    unsafe { each!(k => S::mul(S::float(v[k]), unit)) }
 }
 
 /// Writes deformed positions, and unit normals if `NORMALS`, of the tile's vertices. Returns the bounds of the positions.
@@ -72,7 +73,7 @@ pub(crate) unsafe fn follow<S: Simd, const NORMALS: bool>(
 ) -> (Vec3, Vec3) {
     let pairs = tile.moves.len();
     assert!(tile.weights.len() == 2 * TILE * pairs && tile.first + TILE <= BLOCK && tile.len <= TILE);
-    assert!(!NORMALS || tile.slopes.len() == 4 * TILE * pairs);
+    assert!(!NORMALS || tile.slopes.len() == 4 * TILE * pairs && tile.slope_units.len() == TILE);
     // SAFETY: guaranteed by the caller; the lanes lie in the tile, which lies in the block.
     unsafe {
         let mut extent = Extent::<S>::new();
@@ -81,7 +82,7 @@ pub(crate) unsafe fn follow<S: Simd, const NORMALS: bool>(
             let mut factors = [S::splat(1.0); GROUPS];
             for group in 0..GROUPS {
                 let here = tile.first + at + group * S::LANES;
-                let s = in_units::<S>(moved[group], tile.unit);
+                let s = in_units::<S>(moved[group], S::splat(tile.unit));
                 factors[group] = kept_share::<S>(s, tile.limit, tile.own, here);
                 let p = add::<S>(load3::<S>(tile.base.as_ptr().add(3 * here)), scaled::<S>(s, factors[group]));
                 store3::<S>(p, positions.as_mut_ptr().add(3 * here));
@@ -99,7 +100,9 @@ pub(crate) unsafe fn follow<S: Simd, const NORMALS: bool>(
                 let here = tile.first + at + group * S::LANES;
                 let n = load3::<S>(base.as_ptr().add(3 * here));
                 let slopes = [along_x[group], along_y[group]];
-                let [a, b] = [in_units::<S>(slopes[0], tile.slope_unit), in_units::<S>(slopes[1], tile.slope_unit)];
+                let units = S::load(tile.slope_units.as_ptr().add(at + group * S::LANES));
+                let unit = S::mul(S::splat(tile.step), units);
+                let [a, b] = [in_units::<S>(slopes[0], unit), in_units::<S>(slopes[1], unit)];
                 let change = turned::<S>(n, a, b);
                 let n = normal::<S>(n, change, scaled::<S>(change, factors[group]));
                 store3::<S>(n, normals.as_mut_ptr().add(3 * here));

@@ -88,7 +88,10 @@ impl MeshWords {
 const TILE_WORDS: usize = 5;
 
 fn tile_words_len(rows: &Rows) -> usize {
-    TILE_WORDS * rows.tiles.len() + rows.nodes.len() + (rows.weights.len() + rows.slopes.len()) / 4
+    TILE_WORDS * rows.tiles.len()
+        + rows.nodes.len()
+        + (rows.weights.len() + rows.slopes.len()) / 4
+        + rows.slope_units.len()
 }
 
 /// The words of vertices that follow nodes, as nodes.wgsl reads them.
@@ -96,17 +99,19 @@ fn tile_words(rows: &Rows) -> Vec<u32> {
     let nodes = TILE_WORDS * rows.tiles.len();
     let weights = nodes + rows.nodes.len();
     let slopes = weights + rows.weights.len() / 4;
+    let units = slopes + rows.slopes.len() / 4;
     let mut words = Vec::with_capacity(tile_words_len(rows));
-    for tile in rows.tiles.iter() {
+    for (t, tile) in rows.tiles.iter().enumerate() {
         let first = tile.first as usize;
         let numbers = TILE * first / 4;
         let [node, weight, slope] = [nodes + first, weights + numbers, slopes + 2 * numbers];
-        words.extend([node as u32, tile.count, tile.slope.to_bits(), weight as u32, slope as u32]);
+        words.extend([node, tile.count as usize, weight, slope, units + TILE * t].map(|w| w as u32));
     }
     words.extend_from_slice(&rows.nodes);
     // A file's arrays are aligned for their elements only.
     words.extend(bytemuck::pod_collect_to_vec::<i8, u32>(&rows.weights));
     words.extend(bytemuck::pod_collect_to_vec::<i8, u32>(&rows.slopes));
+    words.extend(rows.slope_units.iter().map(|u| u.to_bits()));
     words
 }
 

@@ -1,8 +1,8 @@
 // Vertices that follow nodes: weighted sums of the nodes' displacements. An invocation computes one vertex, with the operations of
 // `follow` in src/deform/follow.rs. All sums are whole numbers below 2^24.
 
-// Words of a tile's head: its first node, the number of its nodes, the unit of its slopes (1/m), its first weight, its first slope. All
-// but the last three count words from the tiles on.
+// Words of a tile's head: its first node, the number of its nodes, its first weight, its first slope, the first unit of its slopes
+// (1/m). All but the number count words from the tiles on.
 const TILE_WORDS = 5u;
 // Words of the weights of a pair of nodes: two vertices a word.
 const PAIR_WORDS = 32u;
@@ -32,8 +32,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     let head = out.tiles + (vertex.index / TILE) * TILE_WORDS;
     let nodes = out.tiles + arena[head];
     let pairs = arena[head + 1u] >> 1u;
-    let weights = out.tiles + arena[head + 3u];
-    let slopes = out.tiles + arena[head + 4u];
+    let weights = out.tiles + arena[head + 2u];
+    let slopes = out.tiles + arena[head + 3u];
     let steps = call.parts + out.parts_begin;
     var moved = vec3(0);
     var along_x = vec3(0);
@@ -56,7 +56,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     var change = vec3(0.0);
     if NORMALS {
         n = arena_vector(out.base_normals + 3u * vertex.index);
-        let unit = out.node_step * arena_float(head + 2u);
+        let unit = out.node_step * arena_float(out.tiles + arena[head + 4u] + v);
         let a = vec3<f32>(along_x) * unit;
         let b = vec3<f32>(along_y) * unit;
         // The tangents of the normal: `turned` in src/deform/follow.rs.

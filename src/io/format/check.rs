@@ -70,7 +70,6 @@ pub(super) fn rows(rows: &Rows, weld: &[u32], nodes: usize) -> Result<(), Error>
             let expected = format!("{first} and an even number within section tile nodes");
             return Err(wrong(format!("the first node and the number of nodes of tile {t}"), value, expected));
         }
-        between(&format!("the slope of tile {t}"), tile.slope, f32::MIN_POSITIVE, f32::MAX)?;
         first += tile.count;
         let mut sums = [0u32; TILE];
         for pairs in rows.weights_of(t).chunks_exact(2 * TILE) {
@@ -86,6 +85,9 @@ pub(super) fn rows(rows: &Rows, weld: &[u32], nodes: usize) -> Result<(), Error>
     }
     if first as usize != rows.nodes.len() {
         return Err(wrong("the length of section tile nodes", rows.nodes.len(), format!("{first}, as tiles have")));
+    }
+    for (at, unit) in rows.slope_units.iter().enumerate() {
+        between(&format!("slope unit {at}"), *unit, f32::MIN_POSITIVE, f32::MAX)?;
     }
     let row = |v: usize| {
         let mut row: Vec<(u32, i32)> = rows.of(v as u32).collect();

@@ -86,11 +86,12 @@ pub(super) enum Id {
     TileNodes = 34,
     Weights = 35,
     Slopes = 36,
+    SlopeUnits = 37,
     SourceOrder = 64,
 }
 
 impl Id {
-    pub(super) const ALL: [Id; 29] = [
+    pub(super) const ALL: [Id; 30] = [
         Id::Set,
         Id::Examples,
         Id::Names,
@@ -119,6 +120,7 @@ impl Id {
         Id::TileNodes,
         Id::Weights,
         Id::Slopes,
+        Id::SlopeUnits,
         Id::SourceOrder,
     ];
 
@@ -161,6 +163,7 @@ impl Id {
             Id::TileNodes => "tile nodes",
             Id::Weights => "weights",
             Id::Slopes => "slopes",
+            Id::SlopeUnits => "slope units",
             Id::SourceOrder => "source order",
         }
     }

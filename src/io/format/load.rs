@@ -113,11 +113,14 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
 /// How mesh `k` follows nodes.
 fn rows(file: &File<'_>, k: u32, mesh: &Mesh, nodes: &MeshLod) -> Result<Rows, Error> {
     let vertices = mesh.positions().len();
+    let tiles = vertices.div_ceil(TILE);
+    let units = if mesh.normals().is_some() { TILE * tiles } else { 0 };
     let rows = Rows {
-        tiles: file.array_of(Id::Tiles, k, vertices.div_ceil(TILE))?,
+        tiles: file.array_of(Id::Tiles, k, tiles)?,
         nodes: file.array(Id::TileNodes, k)?,
         weights: file.array(Id::Weights, k)?,
         slopes: file.array(Id::Slopes, k)?,
+        slope_units: file.array_of(Id::SlopeUnits, k, units)?,
     };
     let weights = TILE * rows.nodes.len();
     if rows.weights.len() != weights {

@@ -216,6 +216,7 @@ impl<'a> File<'a> {
         self.array(Id::TileNodes, k, &lod.rows.nodes);
         self.array(Id::Weights, k, &lod.rows.weights);
         self.array(Id::Slopes, k, &lod.rows.slopes);
+        self.array(Id::SlopeUnits, k, &lod.rows.slope_units);
         let records: Vec<AnchoredRecord> = lod
             .anchored
             .iter()

@@ -136,7 +136,6 @@ class ExampleSet:
         yield_impulse: float = 0.0,
         yield_displacement: float = 0.0,
         max_contact_distance: float = 0.0,
-        tolerance: float = 0.0,
         rule: Rule = Rule.MARKS,
         selection: Selection = Selection.CLASSIC,
         blend_constant: float = 0.0,
@@ -147,7 +146,7 @@ class ExampleSet:
         definition = library.crumple_instance_def_default()
         definition.set, definition.rule, definition.selection = self.id, int(rule), int(selection)
         definition.examples_per_hit, definition.mark_capacity = examples_per_hit, mark_capacity
-        definition.depth_limit, definition.tolerance = depth_limit, tolerance
+        definition.depth_limit = depth_limit
         definition.yield_impulse, definition.yield_displacement = yield_impulse, yield_displacement
         definition.max_contact_distance, definition.blend_constant = max_contact_distance, blend_constant
         if transform is not None:
