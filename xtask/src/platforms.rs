@@ -58,7 +58,7 @@ pub fn windows(workspace: &Workspace) -> Result<Outcome> {
         (
             "the Rust tests",
             platform.rust(
-                &["--lib", "--test=cli", "--test=format", "--test=promises", "--test=stability", "--test=tolerance"],
+                &["--lib", "--test=cli", "--test=format", "--test=promises", "--test=stability", "--test=budget"],
                 &[],
             ),
         ),
@@ -78,7 +78,7 @@ pub fn aarch64(workspace: &Workspace) -> Result<Outcome> {
     let prefix = platform.install()?;
     all_passed(vec![
         ("the C and C++ tests", platform.c(&prefix)),
-        ("the Rust tests", platform.rust(&["--lib", "--test=format", "--test=tolerance"], &[])),
+        ("the Rust tests", platform.rust(&["--lib", "--test=format", "--test=budget"], &[])),
         // The others take many minutes under qemu.
         (
             "the promises",
@@ -95,7 +95,7 @@ pub fn i686(workspace: &Workspace) -> Result<Outcome> {
     let platform = Platform { workspace, target: Target::other(I686), runner };
     platform.build()?;
     let prefix = platform.install()?;
-    let tests = ["--lib", "--test=format", "--test=promises", "--test=stability", "--test=tolerance"];
+    let tests = ["--lib", "--test=format", "--test=promises", "--test=stability", "--test=budget"];
     all_passed(vec![
         ("the C and C++ tests", platform.c(&prefix)),
         ("the Rust tests", platform.rust(&tests, &[])),
