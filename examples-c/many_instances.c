@@ -128,7 +128,7 @@ int main(void) {
     fact(memory / INSTANCES < 2 * sizeof dented, "an instance takes less memory than a copy of its positions and normals");
     for (int i = 0; i < SEEN; ++i)
         for (int v = 0; v < VERTICES; ++v)
-            fact(fabsf(vertices[i][v][2]) <= 0.050001f, "no vertex moves further than the deepest example");
+            fact(fabsf(vertices[i][v][2]) <= 0.066668f, "no vertex moves further than 4/3 of the deepest example");
     check(crumple_context_destroy(context));
     return 0;
 }
