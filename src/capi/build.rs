@@ -49,7 +49,7 @@ pub enum CrumpleContactKind {
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleExampleSetOptions {
-    /// No vertex moves further than this, m. Default 0: the depth of the deepest example.
+    /// No vertex moves further than this, m. Default 0: 4/3 of the depth of the deepest example.
     pub depth_limit: f32,
     /// Displacements of an example up to this length are dropped, m. Default 0: drops only zeros.
     pub drop_below: f32,
@@ -421,7 +421,7 @@ pub(super) unsafe fn read_options(options: &CrumpleExampleSetOptions, vertices: 
         }
     };
     Ok(SetOptions {
-        depth_limit: positive_or(options.depth_limit, "def.options.depth_limit", "m", "that of the deepest example")?,
+        depth_limit: positive_or(options.depth_limit, "def.options.depth_limit", "m", "4/3 of the deepest example's")?,
         mirror: boolean(options.mirror),
         held_rims: boolean(options.held_rims),
         mass,

@@ -39,7 +39,7 @@ pub struct Arguments {
     /// Nodes along the longest side of the grid that a carried dent is stored in; with --tolerance, the largest number
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..=128))]
     stamp_resolution: Option<u32>,
-    /// No vertex moves further than this [default: the depth of the deepest example]
+    /// No vertex moves further than this [default: 4/3 of the depth of the deepest example]
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     depth_limit: Option<f32>,
     /// How far a vertex may be from where its dents would put it, instead of about a hundredth of the deepest example: vertices
