@@ -173,33 +173,26 @@ impl Fitting<'_> {
 
     fn solve_with(&self, weight: f64, nodes: &[u32], targets: &[u32]) -> Vec<Vec<f64>> {
         let (m, n) = (nodes.len(), targets.len());
-        let (mut gram, mut right) = (vec![0.0f64; m * m], vec![0.0f64; n * m]);
+        if n == 0 {
+            return Vec::new();
+        }
+        // Row i of the upper half, and of the right sides: node i with the later nodes, and with the targets.
+        let (mut gram, mut right) = (vec![0.0f64; m * m], vec![0.0f64; m * n]);
         let mut squares = 0.0f64;
-        let mut at_nodes = vec![[0.0f64; 3]; m];
+        let mut at_nodes = [vec![0.0f64; m], vec![0.0f64; m], vec![0.0f64; m]];
+        let mut at_targets = [vec![0.0f64; n], vec![0.0f64; n], vec![0.0f64; n]];
         for (field, there) in self.fields.iter().zip(self.at_nodes) {
-            let mut moves = false;
-            for (to, node) in at_nodes.iter_mut().zip(nodes) {
-                let u = there[*node as usize];
-                *to = u.as_dvec3().to_array();
-                moves |= u != Vec3::ZERO;
-            }
-            if !moves {
+            if nodes.iter().all(|node| there[*node as usize] == Vec3::ZERO) {
                 continue;
             }
+            by_axis(&mut at_nodes, nodes, there);
+            by_axis(&mut at_targets, targets, field);
             for i in 0..m {
-                let a = at_nodes[i];
-                squares += a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
-                for (to, b) in gram[i * m..=i * m + i].iter_mut().zip(&at_nodes) {
-                    *to += a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-                }
-            }
-            for (row, target) in right.chunks_exact_mut(m).zip(targets) {
-                let u = field[*target as usize];
-                if u != Vec3::ZERO {
-                    let u = u.as_dvec3().to_array();
-                    for (to, b) in row.iter_mut().zip(&at_nodes) {
-                        *to += u[0] * b[0] + u[1] * b[1] + u[2] * b[2];
-                    }
+                let u = [0, 1, 2].map(|k| at_nodes[k][i]);
+                squares += u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+                if u != [0.0; 3] {
+                    add_products(&mut gram[i * m + i..(i + 1) * m], u, at_nodes.each_ref().map(|a| &a[i..]));
+                    add_products(&mut right[i * n..(i + 1) * n], u, at_targets.each_ref().map(|a| &a[..]));
                 }
             }
         }
@@ -207,23 +200,17 @@ impl Fitting<'_> {
         let positions: Vec<Vec3> = nodes.iter().map(|n| self.position(*n)).collect();
         let length = (LENGTH * self.spacing(&positions)).max(f32::MIN_POSITIVE);
         for i in 0..m {
-            for j in 0..=i {
+            for j in i..m {
                 gram[i * m + j] += scale * prior(positions[i], positions[j], length);
             }
             gram[i * m + i] += scale * 1e-5;
-        }
-        for (row, target) in right.chunks_exact_mut(m).zip(targets) {
-            let p = self.mesh.positions()[*target as usize];
-            row.iter_mut().zip(&positions).for_each(|(to, q)| *to += scale * prior(p, *q, length));
+            for (to, target) in right[i * n..(i + 1) * n].iter_mut().zip(targets) {
+                *to += scale * prior(self.mesh.positions()[*target as usize], positions[i], length);
+            }
         }
         factor(&mut gram, m);
-        right
-            .chunks_exact_mut(m)
-            .map(|row| {
-                substitute(&gram, m, row);
-                row.to_vec()
-            })
-            .collect()
+        substitute(&gram, m, &mut right, n);
+        (0..n).map(|t| (0..m).map(|i| right[i * n + t]).collect()).collect()
     }
 
     /// The mean distance of a few nodes from their nearest neighbours, m.
@@ -248,32 +235,63 @@ fn prior(a: Vec3, b: Vec3, length: f32) -> f64 {
     (1.0 + d + d * d / 3.0) * libm::exp(-d) + CONSTANT
 }
 
-/// The Cholesky factor of a symmetric, positive definite matrix, of which the lower half is given, in place.
-fn factor(a: &mut [f64], n: usize) {
-    for i in 0..n {
-        for j in 0..=i {
-            let (above, row) = a.split_at_mut(i * n);
-            let other = if j == i { None } else { Some(&above[j * n..j * n + j + 1]) };
-            let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
-            row[j] = match other {
-                Some(other) => (row[j] - dot(&row[..j], &other[..j])) / other[j],
-                None => (row[i] - dot(&row[..i], &row[..i])).max(1e-300).sqrt(),
-            };
-        }
+/// The displacements of some vertices, axis by axis.
+fn by_axis(to: &mut [Vec<f64>; 3], vertices: &[u32], field: &[Vec3]) {
+    for (i, v) in vertices.iter().enumerate() {
+        let u = field[*v as usize].as_dvec3().to_array();
+        to.iter_mut().zip(u).for_each(|(to, u)| to[i] = u);
     }
 }
 
-/// Solves for one right side, in place.
-fn substitute(factor: &[f64], n: usize, x: &mut [f64]) {
+/// Adds the products of a vector with each of some others.
+fn add_products(to: &mut [f64], u: [f64; 3], others: [&[f64]; 3]) {
+    let [x, y, z] = others;
+    for (((to, x), y), z) in to.iter_mut().zip(x).zip(y).zip(z) {
+        *to += u[0] * x + u[1] * y + u[2] * z;
+    }
+}
+
+/// The Cholesky factor (upper: `a = f^T f`) of a symmetric, positive definite matrix, of which the upper half is given, in place.
+/// Row by row, so that the inner loops are over independent numbers.
+fn factor(a: &mut [f64], n: usize) {
+    let mut sums = vec![0.0f64; n];
+    for j in 0..n {
+        let (above, rest) = a.split_at_mut(j * n);
+        let sums = &mut sums[j..];
+        sums.fill(0.0);
+        for row in above.chunks_exact(n) {
+            let at = row[j];
+            sums.iter_mut().zip(&row[j..]).for_each(|(sum, x)| *sum += at * x);
+        }
+        let row = &mut rest[j..n];
+        row.iter_mut().zip(&*sums).for_each(|(x, sum)| *x -= sum);
+        row[0] = row[0].max(1e-300).sqrt();
+        let diagonal = row[0];
+        row[1..].iter_mut().for_each(|x| *x /= diagonal);
+    }
+}
+
+/// Solves for `m` right sides, the columns of `x`, in place.
+fn substitute(factor: &[f64], n: usize, x: &mut [f64], m: usize) {
+    let mut sums = vec![0.0f64; m];
     for i in 0..n {
-        let row = &factor[i * n..i * n + i + 1];
-        let sum: f64 = row[..i].iter().zip(&x[..i]).map(|(a, b)| a * b).sum();
-        x[i] = (x[i] - sum) / row[i];
+        let (before, rest) = x.split_at_mut(i * m);
+        sums.fill(0.0);
+        for (k, earlier) in before.chunks_exact(m).enumerate() {
+            let at = factor[k * n + i];
+            sums.iter_mut().zip(earlier).for_each(|(sum, x)| *sum += at * x);
+        }
+        let diagonal = factor[i * n + i];
+        rest[..m].iter_mut().zip(&sums).for_each(|(x, sum)| *x = (*x - sum) / diagonal);
     }
     for i in (0..n).rev() {
-        x[i] /= factor[i * n + i];
-        let (before, rest) = x.split_at_mut(i);
-        before.iter_mut().zip(&factor[i * n..i * n + i]).for_each(|(b, a)| *b -= a * rest[0]);
+        let (before, rest) = x.split_at_mut(i * m);
+        let diagonal = factor[i * n + i];
+        rest[..m].iter_mut().for_each(|x| *x /= diagonal);
+        for (k, earlier) in before.chunks_exact_mut(m).enumerate() {
+            let at = factor[k * n + i];
+            earlier.iter_mut().zip(&rest[..m]).for_each(|(x, solved)| *x -= at * solved);
+        }
     }
 }
 
