@@ -336,14 +336,18 @@ mod tests {
 
     #[test]
     fn the_factor_solves() {
-        let mut a = vec![4.0, 0.0, 0.0, 2.0, 5.0, 0.0, -2.0, 1.0, 6.0];
+        let mut a = vec![4.0, 2.0, -2.0, 0.0, 5.0, 1.0, 0.0, 0.0, 6.0];
         let full = [[4.0, 2.0, -2.0], [2.0, 5.0, 1.0], [-2.0, 1.0, 6.0]];
         factor(&mut a, 3);
-        let mut x = [2.0, 8.0, 5.0];
-        substitute(&a, 3, &mut x);
-        for (row, right) in full.iter().zip([2.0, 8.0, 5.0]) {
-            let sum: f64 = row.iter().zip(&x).map(|(a, x)| a * x).sum();
-            assert!((sum - right).abs() < 1e-12, "{sum} {right}");
+        // Two right sides, the second ten times the first.
+        let right = [2.0, 8.0, 5.0];
+        let mut x = right.map(|r| [r, 10.0 * r]).concat();
+        substitute(&a, 3, &mut x, 2);
+        for (row, right) in full.iter().zip(right) {
+            for (side, times) in [1.0, 10.0].into_iter().enumerate() {
+                let sum: f64 = row.iter().zip(x.chunks_exact(2)).map(|(a, x)| a * x[side]).sum();
+                assert!((sum - times * right).abs() < 1e-11, "{sum} {right}");
+            }
         }
     }
 
