@@ -1,4 +1,4 @@
-// The host's allocator refuses blocks: for each call, each block in turn, alone and with all later ones. The call returns
+// The host's allocator refuses blocks: for each call, blocks in turn, alone and with all later ones. The call returns
 // CRUMPLE_ERROR_OUT_OF_MEMORY and has changed nothing, or it succeeds with memory of the system's. The process goes on either way.
 //
 // `cargo xtask test --only repository` checks that each function of the headers is here, except those of Vulkan.
@@ -403,9 +403,9 @@ int main(int count, char **arguments) {
     for (size_t i = 0; i < sizeof calls / sizeof *calls; ++i) {
         if (calls[i].needs && !has(calls[i].needs)) continue;
         unsigned long n = 0;
-        while (refuse(calls[i].call, calls[i].from_nothing, n, false)) ++n;
-        // All later ones too: importers ask so often that this begins at every eighth.
-        while (n > 0) refuse(calls[i].call, calls[i].from_nothing, n -= n > 400 ? 8 : 1, true);
+        // Each of the first 32, then ever fewer: importers and builders of sets ask thousands of times.
+        while (refuse(calls[i].call, calls[i].from_nothing, n, false)) n += 1 + n / 32;
+        while (n > 0) refuse(calls[i].call, calls[i].from_nothing, n -= 1 + n / 32, true);
     }
     printf("%lu refusals, %lu of them errors; %u checks\n", refusals, errors, checks);
     return 0;
