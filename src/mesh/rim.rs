@@ -94,27 +94,22 @@ fn windows(held: &[Vec3], diagonal: f32, mesh: &Mesh, tasks: &dyn TaskSystem) ->
     }
     let width = WIDTH * diagonal;
     let mut points: Vec<[f32; 3]> = held.iter().map(|p| p.to_array()).collect();
-    let tree: RTree<[f32; 3]> = RTree::bulk_load(points.clone());
     points.sort_unstable_by_key(|p| p.map(f32::to_bits));
     points.dedup();
     let points: Vec<Vec3> = points.into_iter().map(Vec3::from).collect();
     let each: Vec<u32> = (0..points.len() as u32).collect();
     let index = VertexIndex::new(&points, &each, tasks);
-    // The index is faster. The tree decides which of several points at the same distance is taken.
-    let nearest = |p: Vec3| match &index.four(p)[..] {
-        [one] => Some((points[one.1 as usize], one.0)),
-        [one, two, ..] if one.0 < two.0 => Some((points[one.1 as usize], one.0)),
-        _ => tree.nearest_neighbor_iter_with_distance_2(p.to_array()).next().map(|(p, d2)| (Vec3::from(*p), d2)),
-    };
+    // Squared distance to the nearest held point, m².
+    let nearest = |p: Vec3| index.several::<1>(p).first().map(|(d2, _)| *d2);
     let window = |p: Vec3| {
-        let Some((_, d2)) = nearest(p) else { return 1.0 };
+        let Some(d2) = nearest(p) else { return 1.0 };
         let s = d2.sqrt() / width;
         if s.is_nan() || s >= 1.0 {
             return 1.0;
         }
         s * s * (3.0 - 2.0 * s)
     };
-    let any_near = |b: &Aabb| nearest(middle(b)).is_some_and(|(_, d2)| d2.sqrt() <= reach_of(b, width));
+    let any_near = |b: &Aabb| nearest(middle(b)).is_some_and(|d2| d2.sqrt() <= reach_of(b, width));
     let positions = mesh.positions();
     let blocks = map(tasks, (0..mesh.block_bounds().len()).step_by(BLOCKS_A_TASK), |first| {
         let blocks = first..mesh.block_bounds().len().min(first + BLOCKS_A_TASK);
@@ -160,8 +155,7 @@ pub(crate) fn moves(deltas: &Field) -> Vec<bool> {
     moves
 }
 
-/// Returns the vertices of the held loops. Includes every vertex at each position, because an example may tear them
-/// apart.
+/// Returns the vertices of the held loops, every vertex at each position.
 fn held(mesh: &Mesh, examples: &[Vec<bool>], tasks: &dyn TaskSystem) -> Vec<u32> {
     let (triangles, weld) = (mesh.triangles(), mesh.weld());
     let welded = |t: &[u32; 3]| t.map(|v| weld[v as usize]);
