@@ -159,11 +159,15 @@ impl Fitting<'_> {
         self.slopes.map_or(&[], |s| s.entries(v))
     }
 
-    /// For each target vertex, the weights of the nodes.
+    /// For each target vertex, the weights of the nodes: with the weakest prior that keeps them tame.
     fn solve(&self, nodes: &[u32], targets: &[u32]) -> Vec<Vec<f64>> {
+        if targets.is_empty() {
+            return Vec::new();
+        }
+        let (fields, prior) = (self.products(nodes, targets), self.prior(nodes, targets));
         let mut solved = Vec::new();
-        for prior in PRIORS {
-            solved = self.solve_with(prior, nodes, targets);
+        for weight in PRIORS {
+            solved = fields.solve(weight, &prior);
             if solved.iter().all(|weights| tame(weights)) {
                 break;
             }
@@ -171,14 +175,10 @@ impl Fitting<'_> {
         solved
     }
 
-    fn solve_with(&self, weight: f64, nodes: &[u32], targets: &[u32]) -> Vec<Vec<f64>> {
+    /// What the fields say.
+    fn products(&self, nodes: &[u32], targets: &[u32]) -> Covariance {
         let (m, n) = (nodes.len(), targets.len());
-        if n == 0 {
-            return Vec::new();
-        }
-        // Row i of the upper half, and of the right sides: node i with the later nodes, and with the targets.
-        let (mut gram, mut right) = (vec![0.0f64; m * m], vec![0.0f64; m * n]);
-        let mut squares = 0.0f64;
+        let mut sums = Covariance { gram: vec![0.0; m * m], right: vec![0.0; m * n], nodes: m, targets: n };
         let mut at_nodes = [vec![0.0f64; m], vec![0.0f64; m], vec![0.0f64; m]];
         let mut at_targets = [vec![0.0f64; n], vec![0.0f64; n], vec![0.0f64; n]];
         for (field, there) in self.fields.iter().zip(self.at_nodes) {
@@ -189,34 +189,61 @@ impl Fitting<'_> {
             by_axis(&mut at_targets, targets, field);
             for i in 0..m {
                 let u = [0, 1, 2].map(|k| at_nodes[k][i]);
-                squares += u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
                 if u != [0.0; 3] {
-                    add_products(&mut gram[i * m + i..(i + 1) * m], u, at_nodes.each_ref().map(|a| &a[i..]));
-                    add_products(&mut right[i * n..(i + 1) * n], u, at_targets.each_ref().map(|a| &a[..]));
+                    let (later, all) = (at_nodes.each_ref().map(|a| &a[i..]), at_targets.each_ref().map(|a| &a[..]));
+                    add_products(&mut sums.gram[i * m + i..(i + 1) * m], u, later);
+                    add_products(&mut sums.right[i * n..(i + 1) * n], u, all);
                 }
             }
         }
-        let scale = if squares > 0.0 { weight * squares / m as f64 } else { 1.0 };
+        sums
+    }
+
+    /// What is expected where the fields say little.
+    fn prior(&self, nodes: &[u32], targets: &[u32]) -> Covariance {
+        let (m, n) = (nodes.len(), targets.len());
+        let mut out = Covariance { gram: vec![0.0; m * m], right: Vec::with_capacity(m * n), nodes: m, targets: n };
         let positions: Vec<Vec3> = nodes.iter().map(|n| self.position(*n)).collect();
         let length = (LENGTH * self.spacing(&positions)).max(f32::MIN_POSITIVE);
-        for i in 0..m {
-            for j in i..m {
-                gram[i * m + j] += scale * prior(positions[i], positions[j], length);
+        for (i, p) in positions.iter().enumerate() {
+            for (j, q) in positions.iter().enumerate().skip(i) {
+                out.gram[i * m + j] = prior(*p, *q, length);
             }
-            gram[i * m + i] += scale * 1e-5;
-            for (to, target) in right[i * n..(i + 1) * n].iter_mut().zip(targets) {
-                *to += scale * prior(self.mesh.positions()[*target as usize], positions[i], length);
-            }
+            out.right.extend(targets.iter().map(|t| prior(self.mesh.positions()[*t as usize], *p, length)));
         }
-        factor(&mut gram, m);
-        substitute(&gram, m, &mut right, n);
-        (0..n).map(|t| (0..m).map(|i| right[i * n + t]).collect()).collect()
+        out
     }
 
     /// The mean distance of a few nodes from their nearest neighbours, m.
     fn spacing(&self, positions: &[Vec3]) -> f32 {
         let nearest = |p: &Vec3| self.index.several::<3>(*p).get(2).map_or(0.0, |(d, _)| d.sqrt());
         positions.iter().map(nearest).sum::<f32>() / positions.len().max(1) as f32
+    }
+}
+
+/// How the displacements of a few nodes go with each other's, and with those of other vertices.
+struct Covariance {
+    /// The upper half of a square of nodes, row by row.
+    gram: Vec<f64>,
+    /// For each node a row of targets.
+    right: Vec<f64>,
+    nodes: usize,
+    targets: usize,
+}
+
+impl Covariance {
+    /// For each target the weights of the nodes, with a prior of this weight.
+    fn solve(&self, weight: f64, prior: &Covariance) -> Vec<Vec<f64>> {
+        let (m, n) = (self.nodes, self.targets);
+        let squares: f64 = (0..m).map(|i| self.gram[i * m + i]).sum();
+        let scale = if squares > 0.0 { weight * squares / m as f64 } else { 1.0 };
+        let with = |(a, b): (&f64, &f64)| a + scale * b;
+        let mut gram: Vec<f64> = self.gram.iter().zip(&prior.gram).map(with).collect();
+        (0..m).for_each(|i| gram[i * m + i] += scale * 1e-5);
+        let mut right: Vec<f64> = self.right.iter().zip(&prior.right).map(with).collect();
+        factor(&mut gram, m);
+        substitute(&gram, m, &mut right, n);
+        (0..n).map(|t| (0..m).map(|i| right[i * n + t]).collect()).collect()
     }
 }
 
