@@ -46,8 +46,9 @@ pub struct RuleReport {
 
 impl ExampleSet {
     /// Learns again how the vertices follow *nodes*, a few of them, whose displacements alone are computed from hits
-    /// (docs/model.md, "Nodes"). [`ExampleSet::build`] has done so with a tolerance of a hundredth of the deepest example, adding nodes three times at most. Vertices are
-    /// wrong by about the tolerance; the report says how much at worst. A rule is forgotten: [learn](ExampleSet::learn_rule) it afterwards.
+    /// (docs/model.md, "Nodes"). [`ExampleSet::build`] has done so with a tolerance of a hundredth of the deepest example, adding
+    /// nodes three times at most. Vertices are wrong by about the tolerance; the report says how much at worst. A rule is
+    /// forgotten: [learn](ExampleSet::learn_rule) it afterwards.
     ///
     /// The basis is learned from the set's examples and from hits all over the body. Vertices that are neighbours in space should be
     /// neighbours in memory ([`reorder`](fn@crate::reorder)): 64 consecutive vertices follow the same nodes.
@@ -66,12 +67,9 @@ impl ExampleSet {
         // No example moves these, and what is carried ends there.
         basis.rows.hold(&self.rim().held);
         let nodes = self.node_mesh(basis.nodes(), tasks)?;
-        let mut rows = Vec::with_capacity(self.lod_count());
-        for lod in self.lods().skip(1) {
-            rows.push(rows_of(self, &basis.rows, &lod.mesh, tasks)?.0);
-        }
-        rows.insert(0, basis.rows);
-        self.follow(nodes, rows);
+        let of_lods = self.lods().skip(1).map(|lod| Ok(rows_of(self, &basis.rows, &lod.mesh, tasks)?.0));
+        let of_lods = of_lods.collect::<Result<Vec<_>, Error>>()?;
+        self.follow(nodes, std::iter::once(basis.rows).chain(of_lods).collect());
         Ok(report)
     }
 

@@ -6,6 +6,11 @@ use glam::Vec3;
 /// The largest number of steps.
 const MOST: f32 = 32767.0;
 
+/// A displacement in steps of this length, both in m, rounded to the nearest.
+pub(crate) fn in_steps(u: Vec3, step: f32) -> [i16; 3] {
+    (u / step).to_array().map(|x| libm::roundf(x.clamp(-MOST, MOST)) as i16)
+}
+
 /// Displacements of some nodes, 10 bytes each.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct NodeField {
@@ -22,8 +27,7 @@ impl NodeField {
     pub(crate) fn new(moved: &[(u32, Vec3)]) -> Self {
         let longest = moved.iter().fold(0.0f32, |m, (_, u)| m.max(u.abs().max_element()));
         let step = (longest / MOST).max(f32::MIN_POSITIVE);
-        let steps = |u: Vec3| (u / step).to_array().map(|x| libm::roundf(x.clamp(-MOST, MOST)) as i16);
-        let rounded = moved.iter().map(|(n, u)| (*n, steps(*u))).filter(|(_, u)| *u != [0; 3]);
+        let rounded = moved.iter().map(|(n, u)| (*n, in_steps(*u, step))).filter(|(_, u)| *u != [0; 3]);
         let (nodes, moves): (Vec<u32>, Vec<[i16; 3]>) = rounded.unzip();
         NodeField { nodes: nodes.into(), moves: moves.into(), step }
     }

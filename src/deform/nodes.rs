@@ -5,7 +5,7 @@
 
 use super::view::{NodeSteps, NodeView};
 use crate::basis::FREE;
-use crate::basis::field::NodeField;
+use crate::basis::field::{NodeField, in_steps};
 use crate::damage::list::Damage;
 use crate::damage::mark::Mark;
 use glam::{IVec3, Vec3};
@@ -108,7 +108,7 @@ impl NodeState {
         for (node, ((is_touched, sum), steps)) in (0..).zip(nodes).filter(|(_, ((is_touched, _), _))| **is_touched) {
             *is_touched = false;
             let moved = sum.as_vec3() * unit;
-            let [x, y, z] = (soft(moved, limit) / step).to_array().map(|x| libm::roundf(x.clamp(-MOST, MOST)) as i16);
+            let [x, y, z] = in_steps(soft(moved, limit), step);
             let before = std::mem::replace(steps, [x, y, z, 0]);
             if before != *steps || everything && before != [0; 4] {
                 changed(node);
@@ -144,8 +144,6 @@ const UNIT: f32 = 1.0 / (1u32 << 17) as f32;
 /// Units and their inverses are floats for bodies of all sizes.
 const LEAST: f32 = 1e-20;
 const MOST_METRES: f32 = 1e20;
-/// The most steps.
-const MOST: f32 = 32767.0;
 
 /// A displacement that approaches the depth limit instead of being cut to it, so that many dents leave no plateau: up to [`FREE`] of
 /// the limit it is `u`, beyond it grows ever more slowly. Only IEEE operations.
@@ -162,7 +160,8 @@ fn soft(u: Vec3, limit: f32) -> Vec3 {
 /// The step for displacements up to `limit`, m: a power of two.
 fn step(limit: f32) -> f32 {
     let least = (limit / 32000.0).clamp(f32::MIN_POSITIVE, 1e30);
-    if power(least) < least { 2.0 * power(least) } else { power(least) }
+    let below = power(least);
+    if below < least { 2.0 * below } else { below }
 }
 
 /// The greatest power of two that is not above a number.

@@ -37,7 +37,7 @@ use std::sync::atomic::{AtomicU8, Ordering};
 pub enum SimdLevel {
     /// The target's baseline: SSE2 on x86-64, NEON on AArch64.
     Portable = 1,
-    /// AVX2: eight lanes and gathers.
+    /// AVX2: eight lanes.
     Avx2 = 2,
     /// AVX-512 (F, BW, DQ, VL): sixteen lanes where they are faster.
     Avx512 = 3,
