@@ -117,10 +117,13 @@ pub fn run(arguments: &Arguments) -> Result<String> {
         normal_tolerance: arguments.normal_tolerance.unwrap_or(defaults.normal_tolerance),
         ..defaults
     };
-    // The reference for the errors below, which compare anchored examples only.
-    let exact = SetOptions { tolerance: None, mirror: false, held_rims: false, ..options.clone() };
-    let anchored = examples.iter().cloned().map(|e| ExampleData { placement: Placement::Anchored, ..e }).collect();
-    let exact = ExampleSet::build(mesh.clone(), anchored, exact, &pool).with_context(|| shown.to_string())?;
+    // The reference for the errors below, which compare anchored examples only. Without a tolerance the set is that itself.
+    let exact = arguments.tolerance.map(|_| {
+        let exact = SetOptions { tolerance: None, mirror: false, held_rims: false, ..options.clone() };
+        let anchored = examples.iter().cloned().map(|e| ExampleData { placement: Placement::Anchored, ..e }).collect();
+        ExampleSet::build(mesh.clone(), anchored, exact, &pool).with_context(|| shown.to_string())
+    });
+    let exact = exact.transpose()?;
     bar.inc(1);
     let start = Instant::now();
     let mut set = ExampleSet::build(mesh, examples, options, &pool).with_context(|| shown.to_string())?;
@@ -156,8 +159,9 @@ pub fn run(arguments: &Arguments) -> Result<String> {
         info::parts(&mut text, &imported.parts)?;
         text.push('\n');
     }
-    sizes(&mut text, &set, &exact, length);
-    errors(&mut text, &set, &exact)?;
+    let exact = exact.as_ref().unwrap_or(&set);
+    sizes(&mut text, &set, exact, length);
+    errors(&mut text, &set, exact)?;
     stamps(&mut text, &set)?;
     if let Some((report, tolerance)) = nodes.zip(arguments.basis) {
         followed(&mut text, &report, tolerance)?;
