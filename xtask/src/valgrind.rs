@@ -44,9 +44,7 @@ pub fn rust(workspace: &Workspace) -> Result<Outcome> {
     let run = Run::new(workspace, "rust", "definite")?;
     let runner = format!("CARGO_TARGET_{}_RUNNER", workspace.rustc("host")?.to_uppercase().replace('-', "_"));
     let tests = |programs: &[&str], names: &[&str]| -> Command {
-        // Valgrind runs out of space on the gathers of a test build. The C programs run the gathers of a release build.
-        let cargo = workspace.tests(programs).env("CRUMPLE_SIMD", "portable");
-        let cargo = cargo.env(&runner, run.command.join(" ")).env("PROPTEST_CASES", "2");
+        let cargo = workspace.tests(programs).env(&runner, run.command.join(" ")).env("PROPTEST_CASES", "2");
         cargo.args(["--"]).args(names).into()
     };
     workspace.tests(WHOLE).args(IN_PART).arg("--no-run").run()?;
