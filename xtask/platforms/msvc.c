@@ -1,9 +1,12 @@
 // A program that is compiled and linked as Microsoft's tools do it, without their C runtime: it has none here. ALL is every function
 // of the headers.
+#include <crumple_build.h>
+#include <crumple_contacts.h>
 #include <crumple_graph.h>
 #include <crumple_host.h>
 #include <crumple_import.h>
 #include <crumple_parts.h>
+#include <crumple_view.h>
 
 static const void *const all[] = {ALL};
 
