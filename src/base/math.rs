@@ -149,6 +149,13 @@ pub(crate) fn to_f32(v: DVec3) -> [f32; 3] {
     v.to_array().map(|x| x.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32)
 }
 
+/// The nearest whole number, halves away from zero, as that of libm, but in line. For numbers that an `i32` can hold.
+#[inline]
+pub(crate) fn nearest_whole(x: f64) -> i32 {
+    let whole = x as i32;
+    whole + (2.0 * (x - f64::from(whole))) as i32
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,6 +1,7 @@
 //! A displacement field as the nodes that it moves.
 
 use super::{ONE, Rows};
+use crate::base::math::nearest_whole;
 use glam::Vec3;
 
 /// The largest number of steps.
@@ -8,7 +9,7 @@ const MOST: f32 = 32767.0;
 
 /// A displacement in steps of this length, both in m, rounded to the nearest.
 pub(crate) fn in_steps(u: Vec3, step: f32) -> [i16; 3] {
-    (u / step).to_array().map(|x| libm::roundf(x.clamp(-MOST, MOST)) as i16)
+    (u / step).to_array().map(|x| nearest_whole(x.clamp(-MOST, MOST).into()) as i16)
 }
 
 /// Displacements of some nodes, 10 bytes each.

@@ -2,6 +2,7 @@
 
 use super::slopes::Slopes;
 use super::{MOST_WEIGHT, ONE, TILE};
+use crate::base::math::nearest_whole;
 use crate::mesh::Mesh;
 use crate::mesh::nearest::VertexIndex;
 use glam::Vec3;
@@ -341,7 +342,7 @@ const MOST: i32 = 127;
 /// Rounds numbers to 8 bits with the least change by which they sum to `total`. Zeros stay.
 pub(super) fn whole(numbers: Vec<f64>, total: i32) -> Vec<i32> {
     let limit = f64::from(MOST);
-    let mut whole: Vec<i32> = numbers.iter().map(|x| libm::round(x.clamp(-limit, limit)) as i32).collect();
+    let mut whole: Vec<i32> = numbers.iter().map(|x| nearest_whole(x.clamp(-limit, limit))).collect();
     let mut rest = total - whole.iter().sum::<i32>();
     while rest != 0 {
         let sign = rest.signum();

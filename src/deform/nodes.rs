@@ -4,6 +4,7 @@
 //! taken away again, and the sums have the same bits whatever happened before.
 
 use super::view::{NodeSteps, NodeView};
+use crate::base::math::nearest_whole;
 use crate::basis::FREE;
 use crate::basis::field::{NodeField, in_steps};
 use crate::damage::list::Damage;
@@ -109,8 +110,9 @@ impl NodeState {
             *is_touched = false;
             let moved = sum.as_vec3() * unit;
             let [x, y, z] = in_steps(soft(moved, limit), step);
-            let before = std::mem::replace(steps, [x, y, z, 0]);
-            if before != *steps || everything && before != [0; 4] {
+            let [was_x, was_y, was_z, _] = std::mem::replace(steps, [x, y, z, 0]);
+            let (before, now) = ((was_x, was_y, was_z), (x, y, z));
+            if before != now || everything && before != (0, 0, 0) {
                 changed(node);
             }
         }
@@ -121,7 +123,7 @@ impl NodeState {
         // The same numbers whenever the same dent comes or goes.
         let (per_unit, longest) = (f64::from(factor) / f64::from(self.unit), self.longest);
         for (node, u) in field.moved() {
-            let units = (u.as_dvec3() * per_unit).to_array().map(|x| libm::round(x.clamp(-longest, longest)) as i32);
+            let units = (u.as_dvec3() * per_unit).to_array().map(|x| nearest_whole(x.clamp(-longest, longest)));
             let at = node as usize;
             self.sums[at] += IVec3::from_array(units) * sign;
             self.is_touched[at] = true;

@@ -265,11 +265,11 @@ impl Reader<'_> {
         if !(g.cmpge(Vec2::ZERO).all() && g.cmple(self.top).all()) {
             return None;
         }
-        let base = g.min(self.last).floor();
-        let t = (g - base) * WEIGHTS;
+        let node = g.min(self.last).as_uvec2();
+        let t = (g - node.as_vec2()) * WEIGHTS;
         let (x, y, both) = (t.x as i32, t.y as i32, (t.x * t.y * (1.0 / WEIGHTS)) as i32);
         let weights = [(WEIGHTS as i32 - x - y + both).max(0), x - both, y - both, both];
-        let first = base.x as usize + base.y as usize * self.row;
+        let first = node.x as usize + node.y as usize * self.row;
         let near = self.nodes.get(first..first + 2)?;
         let far = self.nodes.get(first + self.row..first + self.row + 2)?;
         let mut sums = [0i32; 4];
