@@ -58,12 +58,13 @@ impl ExampleSet {
     /// # Errors
     /// [`Error::InvalidArgument`] naming the option; [`Error::OutOfMemory`]. After an error nothing has changed.
     pub fn learn_basis(&mut self, options: &BasisOptions, tasks: &dyn TaskSystem) -> Result<BasisReport, Error> {
-        let step = self.examples().len().div_ceil(EXAMPLES);
-        let examples = (0..self.examples().len()).step_by(step).map(|i| self.base_lod().field(i));
-        let thrown = map(tasks, 0..HITS, |i| self.thrown(i));
-        let fields: Vec<Vec<Vec3>> = examples.chain(thrown.into_iter().flatten()).collect();
-        let fields: Vec<&[Vec3]> = fields.iter().map(Vec::as_slice).collect();
-        let (mut basis, report) = Basis::learn(self.mesh(), &fields, options, tasks)?;
+        let fields = || {
+            let step = self.examples().len().div_ceil(EXAMPLES);
+            let examples = (0..self.examples().len()).step_by(step).map(|i| self.base_lod().field(i));
+            let thrown = map(tasks, 0..HITS, |i| self.thrown(i));
+            examples.chain(thrown.into_iter().flatten()).collect()
+        };
+        let (mut basis, report) = Basis::learn(self.mesh(), fields, options, tasks)?;
         // No example moves these, and what is carried ends there.
         basis.rows.hold(&self.rim().held);
         let nodes = self.node_mesh(basis.nodes(), tasks)?;

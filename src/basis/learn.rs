@@ -49,73 +49,85 @@ const VERTICES_A_NODE: usize = 24;
 const LEAST_NODES: usize = 512;
 
 impl Basis {
-    /// Learns a basis from displacement fields of all vertices (m): examples, and copies of them elsewhere. Fields that are not
-    /// finite, or have another length, are an error.
+    /// Learns a basis from displacement fields of all vertices (m): examples, and copies of them elsewhere. Asks for the fields only if
+    /// they matter: where every position is a node, vertices follow their own.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] naming the option or the field.
-    pub fn learn(
+    /// [`Error::InvalidArgument`] naming the option.
+    pub(crate) fn learn(
         mesh: &Mesh,
-        fields: &[&[Vec3]],
+        fields: impl FnOnce() -> Vec<Vec<Vec3>>,
         options: &BasisOptions,
         tasks: &dyn TaskSystem,
     ) -> Result<(Self, BasisReport), Error> {
         positive("tolerance", options.tolerance, "m")?;
-        for (i, field) in fields.iter().enumerate() {
-            if field.len() != mesh.positions().len() {
-                let vertices = format!("{}, as the mesh has vertices", mesh.positions().len());
-                return Err(Error::invalid(&format!("the length of fields[{i}]"), field.len(), &vertices));
-            }
-            if let Some(bad) = field.iter().find(|u| !u.is_finite()) {
-                return Err(Error::NotFinite { name: format!("fields[{i}]"), value: bad.to_string() });
-            }
-        }
-        let shared = shared(mesh.weld());
-        let slopes = Slopes::of(mesh);
         let first = match options.nodes {
             0 => (mesh.positions().len() / VERTICES_A_NODE).max(LEAST_NODES),
             nodes => nodes,
         };
-        let mut nodes = spread(mesh, first);
-        let tiles = mesh.positions().len().div_ceil(TILE);
-        let mut round = 0;
-        loop {
-            let positions = pick(&nodes, mesh.positions());
-            let tree = tree(&positions, tasks);
-            let at_nodes: Vec<Vec<Vec3>> = fields.iter().map(|field| pick(&nodes, field)).collect();
-            let fitting = Fitting {
-                mesh,
-                fields,
-                at_nodes: &at_nodes,
-                nodes: &positions,
-                index: &tree,
-                slopes: None,
-                shared: &shared,
-            };
-            let errors = map(tasks, 0..tiles, |t| errors(&fitting, t, &fitting.tile(t))).concat();
-            let worst = errors.iter().fold(0.0, |a: f32, b| a.max(*b));
-            let mut more = nodes.clone();
-            if worst > options.tolerance && round < options.rounds {
-                let nearest = |p: &Vec3| tree.several::<1>(*p).first().map_or(0.0, |(squared, _)| squared.sqrt());
-                let distances: Vec<f32> = mesh.positions().iter().map(nearest).collect();
-                refine(mesh, &mut more, &errors, &distances, options.tolerance);
-            }
-            if more.len() > nodes.len() {
-                (nodes, round) = (more, round + 1);
-                continue;
-            }
-            let slopes = Some(&slopes).filter(|s| !s.is_empty());
-            let fitting = Fitting { slopes, ..fitting };
-            let rows = rows(mesh, map(tasks, 0..tiles, |t| fitting.tile(t)));
-            let report = BasisReport {
-                nodes: nodes.len(),
-                nodes_a_vertex: rows.nodes.len() as f32 / tiles.max(1) as f32,
-                bytes: 4 * nodes.len() + rows.bytes(),
-                worst,
-                holds: worst <= options.tolerance,
-            };
+        let nodes = spread(mesh, first);
+        let report = |nodes: usize, rows: &Rows, worst: f32| BasisReport {
+            nodes,
+            nodes_a_vertex: rows.nodes.len() as f32 / rows.tiles.len().max(1) as f32,
+            bytes: 4 * nodes + rows.bytes(),
+            worst,
+            holds: worst <= options.tolerance,
+        };
+        if nodes.len() == mesh.weld().iter().enumerate().filter(|(v, first)| *v == **first as usize).count() {
+            let own = |v: u32| nodes.partition_point(|n| *n < mesh.weld()[v as usize]) as u32;
+            let rows = Rows::weighted(mesh, |v| vec![(own(v), 1.0)], tasks);
+            let report = report(nodes.len(), &rows, 0.0);
             return Ok((Basis { nodes: nodes.into(), rows }, report));
         }
+        let fields = fields();
+        let fields: Vec<&[Vec3]> = fields.iter().map(Vec::as_slice).collect();
+        let (nodes, rows, worst) = learned(mesh, nodes, &fields, options, tasks);
+        let report = report(nodes.len(), &rows, worst);
+        Ok((Basis { nodes: nodes.into(), rows }, report))
+    }
+}
+
+/// Adds nodes until the fields are met or the rounds are over. Returns the nodes, the rows and the largest error, m.
+fn learned(
+    mesh: &Mesh,
+    mut nodes: Vec<u32>,
+    fields: &[&[Vec3]],
+    options: &BasisOptions,
+    tasks: &dyn TaskSystem,
+) -> (Vec<u32>, Rows, f32) {
+    let shared = shared(mesh.weld());
+    let slopes = Slopes::of(mesh);
+    let tiles = mesh.positions().len().div_ceil(TILE);
+    let mut round = 0;
+    loop {
+        let positions = pick(&nodes, mesh.positions());
+        let tree = tree(&positions, tasks);
+        let at_nodes: Vec<Vec<Vec3>> = fields.iter().map(|field| pick(&nodes, field)).collect();
+        let fitting = Fitting {
+            mesh,
+            fields,
+            at_nodes: &at_nodes,
+            nodes: &positions,
+            index: &tree,
+            slopes: None,
+            shared: &shared,
+        };
+        let errors = map(tasks, 0..tiles, |t| errors(&fitting, t, &fitting.tile(t))).concat();
+        let worst = errors.iter().fold(0.0, |a: f32, b| a.max(*b));
+        let mut more = nodes.clone();
+        if worst > options.tolerance && round < options.rounds {
+            let nearest = |p: &Vec3| tree.several::<1>(*p).first().map_or(0.0, |(squared, _)| squared.sqrt());
+            let distances: Vec<f32> = mesh.positions().iter().map(nearest).collect();
+            refine(mesh, &mut more, &errors, &distances, options.tolerance);
+        }
+        if more.len() > nodes.len() {
+            (nodes, round) = (more, round + 1);
+            continue;
+        }
+        let slopes = Some(&slopes).filter(|s| !s.is_empty());
+        let fitting = Fitting { slopes, ..fitting };
+        let rows = rows(mesh, map(tasks, 0..tiles, |t| fitting.tile(t)));
+        return (nodes, rows, worst);
     }
 }
 
@@ -138,7 +150,6 @@ impl Rows {
         at: impl Fn(u32) -> [(u32, f64); 3] + Sync,
         tasks: &dyn TaskSystem,
     ) -> Self {
-        let slopes = Slopes::of(mesh);
         let row = |v: u32| {
             let mut row: Vec<(u32, f64)> = Vec::new();
             for (corner, share) in at(v).into_iter().filter(|(_, share)| *share != 0.0) {
@@ -147,6 +158,12 @@ impl Rows {
             row.sort_by_key(|(node, _)| *node);
             row
         };
+        Rows::weighted(mesh, row, tasks)
+    }
+
+    /// The rows of a mesh each of whose vertices follows nodes with given weights, ascending by node; a node may come several times.
+    fn weighted(mesh: &Mesh, row: impl Fn(u32) -> Vec<(u32, f64)> + Sync, tasks: &dyn TaskSystem) -> Self {
+        let slopes = Slopes::of(mesh);
         rows(
             mesh,
             map(tasks, 0..mesh.positions().len().div_ceil(TILE), |t| {
