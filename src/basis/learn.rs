@@ -97,37 +97,40 @@ fn learned(
 ) -> (Vec<u32>, Rows, f32) {
     let shared = shared(mesh.weld());
     let slopes = Slopes::of(mesh);
-    let tiles = mesh.positions().len().div_ceil(TILE);
+    let slopes = Some(&slopes).filter(|s| !s.is_empty());
+    let count = mesh.positions().len().div_ceil(TILE);
     let mut round = 0;
     loop {
         let positions = pick(&nodes, mesh.positions());
         let tree = tree(&positions, tasks);
         let at_nodes: Vec<Vec<Vec3>> = fields.iter().map(|field| pick(&nodes, field)).collect();
+        let is_last = round == options.rounds;
         let fitting = Fitting {
             mesh,
             fields,
             at_nodes: &at_nodes,
             nodes: &positions,
             index: &tree,
-            slopes: None,
+            slopes: slopes.filter(|_| is_last),
             shared: &shared,
         };
-        let errors = map(tasks, 0..tiles, |t| errors(&fitting, t, &fitting.tile(t))).concat();
+        let fitted = map(tasks, 0..count, |t| fitting.tile(t));
+        let errors = map(tasks, fitted.iter().enumerate(), |(t, fitted)| errors(&fitting, t, fitted)).concat();
         let worst = errors.iter().fold(0.0, |a: f32, b| a.max(*b));
+        if is_last {
+            return (nodes, rows(mesh, fitted), worst);
+        }
         let mut more = nodes.clone();
-        if worst > options.tolerance && round < options.rounds {
+        if worst > options.tolerance {
             let nearest = |p: &Vec3| tree.several::<1>(*p).first().map_or(0.0, |(squared, _)| squared.sqrt());
             let distances: Vec<f32> = mesh.positions().iter().map(nearest).collect();
             refine(mesh, &mut more, &errors, &distances, options.tolerance);
         }
-        if more.len() > nodes.len() {
-            (nodes, round) = (more, round + 1);
-            continue;
+        if more.len() == nodes.len() {
+            let fitting = Fitting { slopes, ..fitting };
+            return (nodes, rows(mesh, map(tasks, 0..count, |t| fitting.tile(t))), worst);
         }
-        let slopes = Some(&slopes).filter(|s| !s.is_empty());
-        let fitting = Fitting { slopes, ..fitting };
-        let rows = rows(mesh, map(tasks, 0..tiles, |t| fitting.tile(t)));
-        return (nodes, rows, worst);
+        (nodes, round) = (more, round + 1);
     }
 }
 
