@@ -26,8 +26,10 @@ fn jolt(workspace: &Workspace) -> Result<()> {
     let directory = workspace.target.join("ctest/jolt");
     let build = Build { options: &[&source], ..Build::new("jolt", &prefix) };
     native::configure(workspace, &build, &workspace.path("examples-c"), &directory)?;
-    let sh = &workspace.shell;
-    cmd!(sh, "cmake --build {directory} --config RelWithDebInfo --target jolt_crash").ignore_stdout().run()?;
+    let (sh, jobs) = (&workspace.shell, native::jobs());
+    cmd!(sh, "cmake --build {directory} --config RelWithDebInfo --target jolt_crash --parallel {jobs}")
+        .ignore_stdout()
+        .run()?;
     Ok(cmd!(sh, "ctest --test-dir {directory} --tests-regex ^jolt_crash$ --verbose --no-tests=error").run()?)
 }
 

@@ -45,6 +45,9 @@ pub struct Options {
     /// Build with the address sanitizer too, which finds wrong accesses to memory; slower
     #[arg(long)]
     address: bool,
+    /// Profile of fuzz/Cargo.toml to build with
+    #[arg(long, default_value = "release", hide = true)]
+    profile: String,
     /// Fuzz nothing: print which lines of src the corpora reach
     #[arg(long, conflicts_with = "keep")]
     coverage: bool,
@@ -60,7 +63,7 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
         ensure!(targets.contains(name), "there is no target {name:?}; there are: {}", targets.join(", "));
     }
     let home = workspace.target.join(if options.address { "fuzz-address" } else { "fuzz" });
-    let programs = build(workspace, &home, options.address)?;
+    let programs = build(workspace, &home, options)?;
     let corpus = options.corpus.clone().unwrap_or_else(|| workspace.target.join("fuzz/corpus"));
     let chosen = targets.iter().filter(|name| options.target.is_empty() || options.target.contains(name));
     if options.coverage {
@@ -120,12 +123,13 @@ fn targets(workspace: &Workspace) -> Result<Vec<String>> {
 }
 
 /// Builds all targets, and returns the folder of the programs.
-fn build(workspace: &Workspace, home: &Path, address: bool) -> Result<PathBuf> {
+fn build(workspace: &Workspace, home: &Path, options: &Options) -> Result<PathBuf> {
     let host = workspace.rustc("host")?;
     let manifest = workspace.path("fuzz/Cargo.toml");
+    let (address, profile) = (options.address, &options.profile);
     let flags = [COVERAGE, if address { &["-Zsanitizer=address"] } else { &[] }].concat().join(" ");
     // --target keeps build scripts and macros free of instrumentation.
-    let arguments = ["--release", "--target", &host];
+    let arguments = ["--profile", profile, "--target", &host];
     let mut build = cmd!(workspace.shell, "cargo build --manifest-path {manifest} --target-dir {home} {arguments...}")
         .env("RUSTFLAGS", flags);
     if address {
@@ -133,7 +137,7 @@ fn build(workspace: &Workspace, home: &Path, address: bool) -> Result<PathBuf> {
         build = build.env("RUSTC_BOOTSTRAP", "1");
     }
     build.run()?;
-    Ok(home.join(host).join("release"))
+    Ok(home.join(host).join(profile))
 }
 
 /// Runs every target for a short time, with the same inputs each time.
@@ -146,6 +150,8 @@ pub fn stage(workspace: &Workspace) -> Result<Outcome> {
         corpus: None,
         seed: 1,
         address: false,
+        // Ten seconds are shorter than what the compiler takes to optimise.
+        profile: "quick".into(),
         coverage: false,
         keep: false,
     };

@@ -85,7 +85,7 @@ pub fn test_projects(workspace: &Workspace, build: &Build<'_>) -> Result<()> {
 }
 
 /// The number of cores.
-fn jobs() -> String {
+pub fn jobs() -> String {
     std::thread::available_parallelism().map_or(2, usize::from).to_string()
 }
 

@@ -73,7 +73,8 @@ pub fn conan(workspace: &Workspace) -> Result<Outcome> {
 /// The crate builds from the files that crates.io gets.
 pub fn crates_io(workspace: &Workspace) -> Result<Outcome> {
     let package = ["package", "--quiet", "--allow-dirty", "--package", "crumple"];
-    Ok(workspace.cargo(&package).run().map(|()| Outcome::Passed)?)
+    // Nothing runs it.
+    Ok(workspace.cargo(&package).env("CARGO_PROFILE_DEV_OPT_LEVEL", "0").run().map(|()| Outcome::Passed)?)
 }
 
 /// Two folders hold the same files with the same bytes.
