@@ -27,10 +27,6 @@ const EXAMPLES: usize = 256;
 const MIXED: usize = 3;
 /// The least depth of those hits, as a share of the deepest example.
 const SHALLOW: f32 = 0.15;
-/// The tolerance unless one is given, as a share of the deepest example.
-const TOLERANCE: f32 = 0.01;
-/// The most times that nodes are added then.
-const ROUNDS: u32 = 3;
 
 /// What a set has learned of hits.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,8 +42,8 @@ pub struct RuleReport {
 
 impl ExampleSet {
     /// Learns again how the vertices follow *nodes*, a few of them, whose displacements alone are computed from hits
-    /// (docs/model.md, "Nodes"). [`ExampleSet::build`] has done so with a tolerance of a hundredth of the deepest example, adding
-    /// nodes three times at most. Vertices are wrong by about the tolerance; the report says how much at worst. A rule is
+    /// (docs/model.md, "Nodes"). [`ExampleSet::build`] has done so with nodes spread evenly ([`ExampleSet::basis_report`]). Here more are
+    /// added where vertices are wrong. Vertices are wrong by about the tolerance; the report says how much at worst. A rule is
     /// forgotten: [learn](ExampleSet::learn_rule) it afterwards.
     ///
     /// The basis is learned from the set's examples and from hits all over the body. Vertices that are neighbours in space should be
@@ -70,14 +66,14 @@ impl ExampleSet {
         let nodes = self.node_mesh(basis.nodes(), tasks)?;
         let of_lods = self.lods().skip(1).map(|lod| Ok(rows_of(self, &basis.rows, &lod.mesh, tasks)?.0));
         let of_lods = of_lods.collect::<Result<Vec<_>, Error>>()?;
-        self.follow(nodes, std::iter::once(basis.rows).chain(of_lods).collect());
+        self.follow(nodes, std::iter::once(basis.rows).chain(of_lods).collect(), Some(report));
         Ok(report)
     }
 
     /// The basis of a new set.
     pub(super) fn first_basis(&mut self, tasks: &dyn TaskSystem) -> Result<(), Error> {
-        let tolerance = (TOLERANCE * deepest(self.examples())).max(f32::MIN_POSITIVE);
-        self.learn_basis(&BasisOptions { rounds: ROUNDS, ..BasisOptions::new(tolerance) }, tasks).map(|_| ())
+        // No nodes are added, whatever the tolerance.
+        self.learn_basis(&BasisOptions { rounds: 0, ..BasisOptions::new(1.0) }, tasks).map(|_| ())
     }
 
     /// Lets the set predict hits from all of its examples at once, instead of mixing a few of them

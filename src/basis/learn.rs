@@ -39,14 +39,12 @@ pub struct BasisReport {
     pub bytes: usize,
     /// The largest error of any vertex in any field, m.
     pub worst: f32,
-    /// Whether the tolerance holds.
-    pub holds: bool,
 }
 
 /// Vertices for each of the first nodes.
 const VERTICES_A_NODE: usize = 24;
 /// The least number of nodes, if there are as many positions.
-const LEAST_NODES: usize = 512;
+const LEAST_NODES: usize = 2048;
 
 impl Basis {
     /// Learns a basis from displacement fields of all vertices (m): examples, and copies of them elsewhere. Asks for the fields only if
@@ -71,7 +69,6 @@ impl Basis {
             nodes_a_vertex: rows.nodes.len() as f32 / rows.tiles.len().max(1) as f32,
             bytes: 4 * nodes + rows.bytes(),
             worst,
-            holds: worst <= options.tolerance,
         };
         if nodes.len() == mesh.weld().iter().enumerate().filter(|(v, first)| *v == **first as usize).count() {
             let own = |v: u32| nodes.partition_point(|n| *n < mesh.weld()[v as usize]) as u32;

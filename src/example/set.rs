@@ -12,6 +12,7 @@ use super::rule::{LearnedRule, Source};
 use super::stamp::Stamp;
 use crate::base::array::Array;
 use crate::base::error::Error;
+use crate::basis::learn::BasisReport;
 use crate::basis::{FREE, Rows, TILE};
 use crate::mesh::mirror::Mirror;
 use crate::mesh::nearest::{Nearest, VertexIndex};
@@ -32,7 +33,7 @@ use std::sync::OnceLock;
 /// };
 /// let dent = ExampleData::new("dent", Deltas::Sparse { indices: vec![0], values: vec![[0.0, 0.0, -0.1]] });
 /// let set = ExampleSet::build(mesh, vec![dent], SetOptions::default(), &Serial)?;
-/// assert_eq!(set.depth_limit(), 0.1);
+/// assert!((set.depth_limit() - 0.1 * 4.0 / 3.0).abs() < 1e-6);
 /// # Ok::<(), crumple::Error>(())
 /// ```
 #[derive(Debug)]
@@ -49,6 +50,7 @@ pub struct ExampleSet {
     response: Option<Response>,
     fingerprint: u64,
     report: SetReport,
+    basis_report: Option<BasisReport>,
     /// The source index of each vertex, if the mesh was [reordered](fn@crate::reorder). Only tools use it.
     source_order: Option<Array<u32>>,
     /// The nodes that vertices follow. There once the set is made.
@@ -170,6 +172,7 @@ impl ExampleSet {
             index: p.index,
             fingerprint: p.fingerprint,
             report,
+            basis_report: None,
             source_order: p.source_order,
             nodes: None,
             rule: None,
@@ -223,6 +226,11 @@ impl ExampleSet {
     /// Statistics from building the set.
     pub fn report(&self) -> &SetReport {
         &self.report
+    }
+
+    /// What the nodes that vertices follow cost, and how well they hold the examples; `None` for a set from a file.
+    pub fn basis_report(&self) -> Option<BasisReport> {
+        self.basis_report
     }
 
     /// Memory used by meshes and examples, bytes.
@@ -312,11 +320,12 @@ impl ExampleSet {
 
     /// Lets all meshes follow nodes, with rows for each of them. A rule that was learned with other nodes is forgotten. The default
     /// depth limit is larger than the deepest example, so that nodes move freely up to it.
-    pub(crate) fn follow(&mut self, lod: MeshLod, rows: Vec<Rows>) {
+    pub(crate) fn follow(&mut self, lod: MeshLod, rows: Vec<Rows>, report: Option<BasisReport>) {
         self.depth_limit = self.options.depth_limit.unwrap_or(deepest(&self.examples) / FREE);
         let followers = rows.iter().map(|rows| Followers::new(rows, lod.vertex_count())).collect();
         self.nodes = Some(SetNodes { lod, followers });
         self.rule = None;
+        self.basis_report = report;
         for (mesh, rows) in std::iter::once(&mut self.base).chain(&mut self.lods).zip(rows) {
             mesh.rows = rows;
         }

@@ -42,8 +42,8 @@ pub struct Arguments {
     /// No vertex moves further than this [default: 4/3 of the depth of the deepest example]
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     depth_limit: Option<f32>,
-    /// How far a vertex may be from where its dents would put it, instead of about a hundredth of the deepest example: vertices
-    /// follow a few of them, the nodes. Less takes more memory, and hits cost more. Give --reorder too
+    /// How far a vertex may be from where its dents would put it: vertices follow a few of them, the nodes, of which more are added
+    /// where vertices are wrong. Less takes more memory, and hits cost more. Give --reorder too
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     basis: Option<f32>,
     /// File with closed solids that dents must not enter, such as a roll cage: every mesh of a glTF or GLB file, where its
@@ -130,7 +130,9 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     for mesh in part_meshes {
         set.add_lod(mesh, &pool).with_context(|| shown.to_string())?;
     }
-    let nodes = arguments.basis.map(|tolerance| set.learn_basis(&BasisOptions::new(tolerance), &pool)).transpose()?;
+    if let Some(tolerance) = arguments.basis {
+        set.learn_basis(&BasisOptions::new(tolerance), &pool)?;
+    }
     let can_learn = set.mesh().normals().is_some() && set.examples().len() >= ENOUGH;
     let rule = can_learn.then(|| set.learn_rule(&pool)).transpose()?;
     let built = start.elapsed();
@@ -163,8 +165,8 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     sizes(&mut text, &set, exact, length);
     errors(&mut text, &set, exact)?;
     stamps(&mut text, &set)?;
-    if let Some((report, tolerance)) = nodes.zip(arguments.basis) {
-        followed(&mut text, &report, tolerance)?;
+    if let Some(report) = set.basis_report() {
+        followed(&mut text, &report, arguments.basis)?;
     }
     if let Some(report) = &rule {
         predicted(&mut text, report)?;
@@ -236,7 +238,7 @@ fn sizes(text: &mut String, set: &ExampleSet, exact: &ExampleSet, file: usize) {
 }
 
 /// Reports the nodes that vertices follow.
-fn followed(text: &mut String, report: &BasisReport, tolerance: f32) -> Result<()> {
+fn followed(text: &mut String, report: &BasisReport, tolerance: Option<f32>) -> Result<()> {
     let mm = |x: f32| format!("{:.3} mm", f64::from(x) * 1e3);
     writeln!(
         text,
@@ -246,10 +248,11 @@ fn followed(text: &mut String, report: &BasisReport, tolerance: f32) -> Result<(
         megabytes(report.bytes)
     )?;
     let off = format!("vertices are off by up to {} in examples and in hits all over the body", mm(report.worst));
-    if report.holds {
-        writeln!(text, "            {off}")?;
-    } else {
-        writeln!(text, "  Warning: {off}, where {} was asked for; no more nodes were tried.", mm(tolerance))?;
+    match tolerance.filter(|tolerance| report.worst > *tolerance) {
+        None => writeln!(text, "            {off}")?,
+        Some(least) => {
+            writeln!(text, "  Warning: {off}, where {} was asked for; no more nodes were tried.", mm(least))?;
+        }
     }
     Ok(())
 }

@@ -99,7 +99,7 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
         widest_weld: record.widest_weld,
         source_order: (!order.is_empty()).then_some(order),
     });
-    set.follow(nodes, rows);
+    set.follow(nodes, rows, None);
     let rule: Array<u8> = file.array(Id::Rule, 0)?;
     if !rule.is_empty() {
         if set.mesh().normals().is_none() {
