@@ -77,7 +77,7 @@ fn quick_an_examples_own_blow_gives_the_example() {
             let out = scenes::Output::fresh(&mut instance);
             for (v, base) in set.mesh().positions().iter().enumerate() {
                 let off = Vec3::from(out.positions[v]).distance(*base + e.delta(v as u32));
-                // The basis of a new set holds examples to a 256th of the deepest, where it can.
+                // Vertices follow nodes.
                 assert!(off <= 0.02 * e.depth(), "{}, vertex {v}: {off}", e.name());
             }
         }

@@ -441,7 +441,7 @@ def test_many_examples_are_written_with_half_the_bytes(tmp_path):
             fields[count] = one.deformed().positions
     few, many = sizes
     assert sizes[many] < 0.6 * sizes[few]
-    # A set's own basis is within a hundredth of its deepest example, 0.03 m; files round by less.
+    # Nodes and files are wrong by less than a hundredth of the deepest example, 0.03 m.
     assert np.abs(fields[few] - fields[many]).max() < 4e-4
     assert "profile 50" in command("info", tmp_path / f"{many}.glb").stdout
 
