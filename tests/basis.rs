@@ -72,6 +72,8 @@ fn nodes_are_vertices_of_distinct_positions_and_fewer_than_vertices() {
     let (_, report) = following(&set, &BasisOptions { tolerance, rounds: 12, nodes: 512 });
     assert!(report.nodes * 3 < set.vertex_count(), "{report:?}");
     assert!(report.worst > 0.0 && report.worst <= tolerance, "{report:?}");
+    let strict = BasisOptions { tolerance: 1e-9, rounds: 0, nodes: 512 };
+    assert!(following(&set, &strict).1.worst > strict.tolerance);
     // All of the panel's positions are fewer than a set begins with.
     let built = set.basis_report().unwrap();
     assert!(built.nodes > 2000 && built.worst == 0.0, "{built:?}");

@@ -167,10 +167,9 @@ fn far_from_the_origin_only_rounding_is_lost() {
         for away in [1.0, 100.0] {
             let (set, hits) = placed(body, 1.0, away);
             let error = relative_l2(&after(&set, &hits), &reference);
-            // One rounding of a position, relative to a dent of this depth. Other roundings also choose other nodes, which costs
-            // what their tolerance allows, a hundredth of a dent, in each of the dents that overlap.
+            // One rounding of a position, relative to a dent of this depth.
             let rounding = away * 6e-8 / f64::from(deepest(&reference));
-            assert!(error < 0.03 + 100.0 * rounding, "{body} at {away} m: {error}");
+            assert!(error < 0.01 + 100.0 * rounding, "{body} at {away} m: {error}");
         }
         // So far away that the body's own vertices coincide: still bounded.
         let (set, hits) = placed(body, 1.0, 1e6);

@@ -17,7 +17,7 @@ pub struct BasisOptions {
     pub tolerance: f32,
     /// The most times that nodes are added.
     pub rounds: u32,
-    /// Number of nodes to begin with, spread evenly; 0 for one for each 24 vertices.
+    /// Number of nodes to begin with, spread evenly; 0 for one for each 24 vertices, and at least 2048.
     pub nodes: usize,
 }
 

@@ -114,17 +114,16 @@ fn followed(
                 continue;
             }
             moves.clear();
-            let mut farthest = 0u32;
+            let mut farthest = 0.0f32;
             for pair in of_tile.chunks_exact(2) {
                 let [a, b] = [steps(&pair[0]), steps(&pair[1])];
                 moves.push([0, 1, 2].map(|k| (i32::from(b[k]) << 16) | i32::from(a[k] as u16)));
                 for s in [a, b] {
-                    farthest =
-                        farthest.max([s[0], s[1], s[2]].map(|x| u32::from(x.unsigned_abs()).pow(2)).iter().sum());
+                    farthest = farthest.max(Vec3::from([s[0], s[1], s[2]].map(f32::from)).length_squared());
                 }
             }
             // No vertex moves further.
-            let longest = (farthest as f32).sqrt() * nodes.step * (head.most as f32 / ONE as f32);
+            let longest = farthest.sqrt() * nodes.step * (head.most as f32 / ONE as f32);
             let following = Following {
                 base: whole_base,
                 base_normals: whole_normals,

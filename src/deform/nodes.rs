@@ -110,9 +110,8 @@ impl NodeState {
             *is_touched = false;
             let moved = sum.as_vec3() * unit;
             let [x, y, z] = in_steps(soft(moved, limit), step);
-            let [was_x, was_y, was_z, _] = std::mem::replace(steps, [x, y, z, 0]);
-            let (before, now) = ((was_x, was_y, was_z), (x, y, z));
-            if before != now || everything && before != (0, 0, 0) {
+            let before = std::mem::replace(steps, [x, y, z, 0]);
+            if before != *steps || everything && before != [0; 4] {
                 changed(node);
             }
         }

@@ -423,13 +423,7 @@ fn primitive(
                 || !e.iter().all(|c| c.is_finite())
                 || is_direction && e[..3].iter().all(|c| *c == 0.0)
         };
-        // Normals follow nodes also where these weigh too little to move a vertex: by less than half a degree.
-        let hardly = |v: usize| {
-            let (a, b) = (&x.values[v], &y.values[v]);
-            let apart: f64 = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum();
-            apart.sqrt() < 0.008 * a.iter().map(|c| c * c).sum::<f64>().sqrt()
-        };
-        let turned = |v: usize| is_direction && (near.contains(&place(world, &old.values[v])) || hardly(v));
+        let turned = |v: usize| is_direction && near.contains(&place(world, &old.values[v]));
         // Positions that were quantised may be floats, but of the same values.
         let same = |v: usize| if x.kind == y.kind { x.bytes[v] == y.bytes[v] } else { x.values[v] == y.values[v] };
         let wrong = (0..x.values.len())
