@@ -22,7 +22,7 @@ const LEARNING: &[&str] = &["--skip", "predict::tests::"];
 
 /// C programs that do not run under valgrind. A driver takes a minute there to compile the kernels, and the programs that remain make
 /// every call to it. The others learn how vertices follow nodes, a large body or very often, which takes minutes there.
-const SLOW: &str = "^(vulkan_(device_lost|faults|memory|record|render|times)|(crash|dent_gltf|first_crash|job_system|many_instances|refusals)$)";
+const SLOW: &str = "^(vulkan_(device_lost|faults|memory|record|render|times)|(crash|first_crash|job_system|refusals)$)";
 
 pub fn c(workspace: &Workspace) -> Result<Outcome> {
     let run = Run::new(workspace, "c", "definite,possible")?;
