@@ -47,7 +47,7 @@ impl ExampleSet {
     /// forgotten: [learn](ExampleSet::learn_rule) it afterwards.
     ///
     /// The basis is learned from the set's examples and from hits all over the body. Vertices that are neighbours in space should be
-    /// neighbours in memory ([`reorder`](fn@crate::reorder)): 64 consecutive vertices follow the same nodes.
+    /// neighbours in memory ([`reorder`](fn@crate::reorder)): 16 consecutive vertices follow the same nodes.
     ///
     /// Call it before instances are made. Instances with a classic rule do not follow nodes.
     ///
@@ -60,9 +60,8 @@ impl ExampleSet {
             let thrown = map(tasks, 0..HITS, |i| self.thrown(i));
             examples.chain(thrown.into_iter().flatten()).collect()
         };
-        let (mut basis, report) = Basis::learn(self.mesh(), fields, options, tasks)?;
-        // No example moves these, and what is carried ends there.
-        basis.rows.hold(&self.rim().held);
+        // No example moves held vertices, and what is carried ends there.
+        let (basis, report) = Basis::learn(self.mesh(), fields, &self.rim().held, options, tasks)?;
         let nodes = self.node_mesh(basis.nodes(), tasks)?;
         let of_lods = self.lods().skip(1).map(|lod| Ok(rows_of(self, &basis.rows, &lod.mesh, tasks)?.0));
         let of_lods = of_lods.collect::<Result<Vec<_>, Error>>()?;

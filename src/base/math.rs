@@ -149,11 +149,47 @@ pub(crate) fn to_f32(v: DVec3) -> [f32; 3] {
     v.to_array().map(|x| x.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32)
 }
 
-/// The nearest whole number, halves away from zero, as that of libm, but in line. For numbers that an `i32` can hold.
+/// The nearest whole number, the even one of two that are as near. For numbers that an `i32` can hold: added to this constant, they
+/// are in the lowest bits.
 #[inline]
 pub(crate) fn nearest_whole(x: f64) -> i32 {
-    let whole = x as i32;
-    whole + (2.0 * (x - f64::from(whole))) as i32
+    const MAGIC: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52
+    (x + MAGIC).to_bits() as i32
+}
+
+/// Four points, worked on side by side: x, y and z of each.
+pub(crate) type Four = [Vec4; 3];
+
+/// The first four points. Missing ones have `other` as coordinates.
+#[inline(always)]
+pub(crate) fn side_by_side(points: &[Vec3], other: f32) -> Four {
+    let mut out = [[other; 4]; 3];
+    for (i, p) in points.iter().take(4).enumerate() {
+        (0..3).for_each(|k| out[k][i] = p[k]);
+    }
+    out.map(Vec4::from)
+}
+
+/// Their products with a vector.
+#[inline(always)]
+pub(crate) fn dots(points: &Four, v: Vec3) -> Vec4 {
+    points[0] * v.x + points[1] * v.y + points[2] * v.z
+}
+
+/// Added to a number from 0 to 2^22, it leaves the nearest whole one in the lowest bits.
+const TO_BITS: Vec4 = Vec4::splat(8_388_608.0); // 2^23
+
+/// The nearest whole numbers of some from 0 to 2^22; of others, any that is not below 0.
+#[inline(always)]
+pub(crate) fn small_wholes(x: Vec4) -> [i32; 4] {
+    (x + TO_BITS).to_array().map(|x| x.to_bits() as i32 & 0x7F_FFFF)
+}
+
+/// The greatest whole numbers that are not above some from 0 to 2^22.
+#[inline(always)]
+pub(crate) fn small_floors(x: Vec4) -> Vec4 {
+    let near = (x + TO_BITS) - TO_BITS;
+    Vec4::select(near.cmpgt(x), near - Vec4::ONE, near)
 }
 
 #[cfg(test)]

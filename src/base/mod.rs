@@ -5,6 +5,7 @@ pub(crate) mod array_vec;
 pub(crate) mod error;
 pub(crate) mod math;
 pub(crate) mod memory;
+pub(crate) mod pairs;
 pub(crate) mod strided;
 pub(crate) mod sync;
 pub(crate) mod tasks;

@@ -8,7 +8,7 @@ use crate::mesh::nearest::VertexIndex;
 use glam::Vec3;
 
 /// Nodes that each vertex of a tile brings along.
-pub(crate) const NEAREST: usize = 6;
+pub(crate) const NEAREST: usize = 7;
 /// Nodes that a vertex follows whose position several vertices share: the same in every tile.
 const SHARED: usize = 12;
 /// Weights of the prior, as shares of the fields' mean square at a node. The first is taken with which weights are [`tame`], else the last.
@@ -37,6 +37,8 @@ pub(crate) struct Fitting<'a> {
     pub slopes: Option<&'a Slopes>,
     /// Whether other vertices share the vertex's position.
     pub shared: &'a [bool],
+    /// Whether the vertex follows nothing.
+    pub held: &'a [bool],
 }
 
 /// The fitted weights of a tile.
@@ -114,8 +116,10 @@ impl Fitting<'_> {
                     row.iter_mut().zip(&far).filter(|(_, far)| **far).for_each(|(w, _)| *w = 0.0);
                     row
                 };
-                out.weights.iter_mut().zip(rounded(&row(weld[v]), ONE)).for_each(|(to, w)| to[i] = w);
-                for (neighbour, along) in self.entries(v) {
+                if !self.held[v] {
+                    out.weights.iter_mut().zip(rounded(&row(weld[v]), ONE)).for_each(|(to, w)| to[i] = w);
+                }
+                for (neighbour, along) in self.moving(v) {
                     for (to, w) in out.slopes.iter_mut().zip(row(*neighbour)) {
                         add_slope(&mut to[i], *along, w);
                     }
@@ -141,18 +145,25 @@ impl Fitting<'_> {
         nodes.sort_unstable();
         // Alone: what else is solved for decides on the prior, and differs between vertices at one position.
         let weights = self.solve(&nodes, &[own]);
-        let targets: Vec<u32> = self.entries(v).iter().map(|(n, _)| *n).collect();
+        let targets: Vec<u32> = self.moving(v).map(|(n, _)| *n).collect();
         let solved = self.solve(&nodes, &targets);
         let at = |n: &u32| tile.nodes.binary_search(n).unwrap_or(0);
         let places: Vec<usize> = nodes.iter().map(at).collect();
-        for (place, w) in places.iter().zip(rounded(&weights[0], ONE)) {
-            tile.weights[*place][i] = w;
+        if !self.held[v] {
+            for (place, w) in places.iter().zip(rounded(&weights[0], ONE)) {
+                tile.weights[*place][i] = w;
+            }
         }
-        for ((_, along), row) in self.entries(v).iter().zip(&solved) {
+        for ((_, along), row) in self.moving(v).zip(&solved) {
             for (place, w) in places.iter().zip(row) {
                 add_slope(&mut tile.slopes[*place][i], *along, *w);
             }
         }
+    }
+
+    /// The entries of a vertex's slopes, but for held neighbours.
+    fn moving(&self, v: usize) -> impl Iterator<Item = &(u32, [f32; 2])> {
+        self.entries(v).iter().filter(|(neighbour, _)| !self.held[*neighbour as usize])
     }
 
     /// The entries of a vertex's slopes; none if there are no slopes.

@@ -5,6 +5,7 @@ use super::nodes::{refine, spread};
 use super::slopes::Slopes;
 use super::{Basis, ONE, Rows, TILE, Tile};
 use crate::base::error::{Error, positive};
+use crate::base::math::nearest_whole;
 use crate::base::tasks::{TaskSystem, map};
 use crate::mesh::Mesh;
 use crate::mesh::nearest::VertexIndex;
@@ -48,13 +49,14 @@ const LEAST_NODES: usize = 2048;
 
 impl Basis {
     /// Learns a basis from displacement fields of all vertices (m): examples, and copies of them elsewhere. Asks for the fields only if
-    /// they matter: where every position is a node, vertices follow their own.
+    /// they matter: where every position is a node, vertices follow their own. `held` vertices follow nothing.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] naming the option.
     pub(crate) fn learn(
         mesh: &Mesh,
         fields: impl FnOnce() -> Vec<Vec<Vec3>>,
+        held: &[u32],
         options: &BasisOptions,
         tasks: &dyn TaskSystem,
     ) -> Result<(Self, BasisReport), Error> {
@@ -64,6 +66,8 @@ impl Basis {
             nodes => nodes,
         };
         let nodes = spread(mesh, first);
+        let mut is_held = vec![false; mesh.positions().len()];
+        held.iter().for_each(|v| is_held[*v as usize] = true);
         let report = |nodes: usize, rows: &Rows, worst: f32| BasisReport {
             nodes,
             nodes_a_vertex: rows.nodes.len() as f32 / rows.tiles.len().max(1) as f32,
@@ -72,13 +76,14 @@ impl Basis {
         };
         if nodes.len() == mesh.weld().iter().enumerate().filter(|(v, first)| *v == **first as usize).count() {
             let own = |v: u32| nodes.partition_point(|n| *n < mesh.weld()[v as usize]) as u32;
-            let rows = Rows::weighted(mesh, |v| vec![(own(v), 1.0)], tasks);
+            let row = |v: u32| if is_held[v as usize] { Vec::new() } else { vec![(own(v), 1.0)] };
+            let rows = Rows::weighted(mesh, row, tasks);
             let report = report(nodes.len(), &rows, 0.0);
             return Ok((Basis { nodes: nodes.into(), rows }, report));
         }
         let fields = fields();
         let fields: Vec<&[Vec3]> = fields.iter().map(Vec::as_slice).collect();
-        let (nodes, rows, worst) = learned(mesh, nodes, &fields, options, tasks);
+        let (nodes, rows, worst) = learned(mesh, nodes, (&fields, &is_held), options, tasks);
         let report = report(nodes.len(), &rows, worst);
         Ok((Basis { nodes: nodes.into(), rows }, report))
     }
@@ -88,7 +93,7 @@ impl Basis {
 fn learned(
     mesh: &Mesh,
     mut nodes: Vec<u32>,
-    fields: &[&[Vec3]],
+    (fields, held): (&[&[Vec3]], &[bool]),
     options: &BasisOptions,
     tasks: &dyn TaskSystem,
 ) -> (Vec<u32>, Rows, f32) {
@@ -110,6 +115,7 @@ fn learned(
             index: &tree,
             slopes: slopes.filter(|_| is_last),
             shared: &shared,
+            held,
         };
         let fitted = map(tasks, 0..count, |t| fitting.tile(t));
         let errors = map(tasks, fitted.iter().enumerate(), |(t, fitted)| errors(&fitting, t, fitted)).concat();
@@ -201,27 +207,6 @@ impl Rows {
         )
     }
 
-    /// Lets these vertices follow nothing.
-    pub(crate) fn hold(&mut self, vertices: &[u32]) {
-        let (mut tiles, mut weights) = (self.tiles.to_vec(), self.weights.to_vec());
-        for v in vertices {
-            let (tile, lane) = (tiles[*v as usize / TILE], *v as usize % TILE);
-            let own = TILE * tile.first as usize..TILE * (tile.first + tile.count) as usize;
-            weights[own].chunks_exact_mut(2 * TILE).for_each(|pair| pair[2 * lane..2 * lane + 2].fill(0));
-        }
-        for tile in &mut tiles {
-            let own = TILE * tile.first as usize..TILE * (tile.first + tile.count) as usize;
-            let mut sums = [0u32; TILE];
-            for pair in weights[own].chunks_exact(2 * TILE) {
-                for (sum, w) in sums.iter_mut().zip(pair.chunks_exact(2)) {
-                    *sum += u32::from(w[0].unsigned_abs()) + u32::from(w[1].unsigned_abs());
-                }
-            }
-            tile.most = sums.into_iter().max().unwrap_or(0);
-        }
-        (self.tiles, self.weights) = (tiles.into(), weights.into());
-    }
-
     /// The nodes that a vertex follows, with their weights in units of 1 / [`ONE`].
     pub(crate) fn of(&self, v: u32) -> impl Iterator<Item = (u32, i32)> {
         let (tile, lane) = (v as usize / TILE, v as usize % TILE);
@@ -300,9 +285,13 @@ fn rows(mesh: &Mesh, fitted: Vec<FittedTile>) -> Rows {
             weights.extend((0..TILE).flat_map(|v| [pair[0][v] as i8, pair[1][v] as i8]));
         }
         for k in 0..if with_slopes { 2 } else { 0 } {
-            // They sum to 0, so that what moves as a whole does not turn.
             let units = &slope_units[at * TILE..(at + 1) * TILE];
-            let of_vertex = |v: usize| whole(tile.slopes.iter().map(|s| f64::from(s[v][k] / units[v])).collect(), 0);
+            let of_vertex = |v: usize| {
+                let numbers: Vec<f64> = tile.slopes.iter().map(|s| f64::from(s[v][k] / units[v])).collect();
+                // 0 but beside held vertices, so that what moves as a whole does not turn.
+                let total = nearest_whole(numbers.iter().sum());
+                whole(numbers, total)
+            };
             let numbers: Vec<Vec<i32>> = (0..TILE).map(of_vertex).collect();
             for pair in (0..tile.nodes.len()).step_by(2) {
                 slopes.extend(numbers.iter().flat_map(|of| [of[pair] as i8, of[pair + 1] as i8]));

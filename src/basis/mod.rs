@@ -23,7 +23,7 @@ use crate::base::array::Array;
 use glam::Vec3;
 
 /// Vertices in a tile.
-pub(crate) const TILE: usize = 64;
+pub(crate) const TILE: usize = 16;
 /// A weight of 1.
 pub(crate) const ONE: i32 = 64;
 /// The share of the depth limit up to which nodes move freely. Beyond it they approach the limit.

@@ -17,13 +17,14 @@
 use super::mark::{MAX_PAIRS, Mark, Pair};
 use super::told::predicted;
 use crate::base::array_vec::ArrayVec;
-use crate::base::math::rotation_between;
+use crate::base::math::{Four, dots, rotation_between, side_by_side};
 use crate::basis::field::NodeField;
 use crate::example::mesh_lod::MeshLod;
 use crate::example::set::ExampleSet;
 use crate::example::stamp::{Reader, Stamp};
+use crate::mesh::rim::WindowBlock;
 use crate::mesh::vertex_blocks::{BLOCK, block_range};
-use glam::{Mat3, Vec3};
+use glam::{Mat3, Vec3, Vec4};
 use std::sync::Arc;
 
 /// Limits of a carried example's stretch along the surface.
@@ -190,16 +191,7 @@ fn moved(set: &ExampleSet, examples: &[PlacedExample], wide: f32, mesh: &MeshLod
             if let Some(carried) = carried {
                 if bounds.distance_squared(carried.contact) <= carried.reach_square {
                     any = true;
-                    let points = &mesh.mesh.positions()[range.clone()];
-                    match mesh.rim.block(block) {
-                        None => sums.iter_mut().zip(points).for_each(|(sum, at)| *sum += carried.at(*at)),
-                        Some(held) => {
-                            sums.iter_mut()
-                                .zip(points)
-                                .zip(held)
-                                .for_each(|((sum, at), w)| *sum += carried.at(*at) * *w);
-                        }
-                    }
+                    carried.add(&mesh.mesh.positions()[range.clone()], mesh.rim.block(block), &mut sums);
                 }
             } else if let Some(head) = mesh.anchored[p.example].block(block as u32) {
                 any = true;
@@ -250,14 +242,26 @@ impl<'a> Carried<'a> {
         })
     }
 
-    /// Scaled displacement at a point, m.
-    #[inline(always)]
-    fn at(&self, point: Vec3) -> Vec3 {
-        let p = point - self.contact;
-        if p.length_squared() > self.reach_square {
-            return Vec3::ZERO;
+    /// Adds the scaled displacements (m) of a block's points, of which rims let only shares move, to `sums`.
+    fn add(&self, points: &[Vec3], held: Option<&WindowBlock>, sums: &mut [Vec3; BLOCK]) {
+        for (first, points) in (0..).step_by(4).zip(points.chunks(4)) {
+            // Missing points are outside.
+            let at = side_by_side(points, f32::INFINITY);
+            let at: Four = std::array::from_fn(|k| at[k] - self.contact[k]);
+            let near = (at[0] * at[0] + at[1] * at[1] + at[2] * at[2]).cmple(Vec4::splat(self.reach_square));
+            let near = near.bitmask();
+            if near == 0 {
+                continue;
+            }
+            let [x, y, z] = [self.to_frame.row(0), self.to_frame.row(1), self.to_frame.row(2)];
+            let moved = self.reader.read([x, y, z].map(|row| dots(&at, row)));
+            for i in 0..points.len() {
+                if near & (1 << i) != 0 {
+                    let share = held.map_or(1.0, |held| held[first + i]);
+                    sums[first + i] += self.back * moved[i] * share;
+                }
+            }
         }
-        self.reader.at(self.to_frame * p).map_or(Vec3::ZERO, |u| self.back * u)
     }
 }
 

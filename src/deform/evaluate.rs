@@ -7,12 +7,12 @@
 //! Sums are whole numbers ([`super::follow`]). So the result has the same bits for coincident vertices, for any division into
 //! blocks, on any thread and at any [`crate::SimdLevel`].
 
-use super::follow::Following;
+use super::follow::{Following, Moves};
 use super::kernel::{Flat, whole};
 use super::levels;
 use super::view::{DamageView, DisplacedVertices, NodeView, Shape};
 use crate::base::math::{Aabb, tangent_basis, turned_as, unit};
-use crate::basis::{ONE, TILE};
+use crate::basis::TILE;
 use crate::example::mesh_lod::MeshLod;
 use crate::mesh::Mesh;
 use crate::mesh::vertex_blocks::{BLOCK, block_range};
@@ -41,7 +41,7 @@ pub(crate) fn vertex(view: &DamageView<'_>, lod: &MeshLod, v: usize) -> (Vec3, O
 /// Memory reused between blocks.
 pub(crate) struct Scratch {
     /// The steps of a tile's nodes.
-    moves: Vec<[i32; 3]>,
+    moves: Moves,
     base: Flat,
     base_normals: Flat,
     positions: Flat,
@@ -84,71 +84,42 @@ fn followed(
     positions: &mut [f32],
     normals: Option<(&mut [f32], &[f32])>,
 ) -> Aabb {
-    let (vertices, rows) = (job.lod.vertex_count(), &job.lod.rows);
-    let first = job.block * (BLOCK / TILE);
-    let short = base.len() < 3 * BLOCK;
     let (mut normals, base_normals) = normals.unzip();
+    let mesh = &job.lod.mesh;
+    if nodes.steps.is_empty() {
+        positions.copy_from_slice(base);
+        if let Some((to, base)) = normals.zip(base_normals) {
+            to.copy_from_slice(base);
+        }
+        return job.lod.block_bounds[job.block];
+    }
     let Scratch { moves, base: whole_base, base_normals: whole_normals, positions: short_to, normals: short_normals } =
         scratch;
-    let whole_base = whole(base, whole_base);
-    let whole_normals = base_normals.map(|base| whole(base, whole_normals));
-    let mut bounds = Aabb::EMPTY;
-    {
-        // The last block of a mesh may be short.
-        let to = if short { &mut *short_to } else { into(positions, short_to) };
-        let to_normals = match &mut normals {
-            Some(n) if !short => into(n, short_normals),
-            _ => &mut *short_normals,
-        };
-        for (tile, head) in (0..).zip(&rows.tiles[first..rows.tiles.len().min(first + BLOCK / TILE)]) {
-            let range = (first + tile) * TILE..((first + tile + 1) * TILE).min(vertices);
-            let of_tile = rows.nodes_of(first + tile);
-            let steps = |n: &u32| nodes.steps[*n as usize];
-            if nodes.steps.is_empty() || of_tile.iter().all(|n| steps(n) == [0; 4]) {
-                let floats = 3 * tile * TILE..3 * (tile * TILE + range.len());
-                to[floats.clone()].copy_from_slice(&whole_base[floats.clone()]);
-                if let Some(base) = whole_normals {
-                    to_normals[floats.clone()].copy_from_slice(&base[floats]);
-                }
-                bounds.union(&Aabb::of(&job.lod.mesh.positions()[range]));
-                continue;
-            }
-            moves.clear();
-            let mut farthest = 0.0f32;
-            for pair in of_tile.chunks_exact(2) {
-                let [a, b] = [steps(&pair[0]), steps(&pair[1])];
-                moves.push([0, 1, 2].map(|k| (i32::from(b[k]) << 16) | i32::from(a[k] as u16)));
-                for s in [a, b] {
-                    farthest = farthest.max(Vec3::from([s[0], s[1], s[2]].map(f32::from)).length_squared());
-                }
-            }
-            // No vertex moves further.
-            let longest = farthest.sqrt() * nodes.step * (head.most as f32 / ONE as f32);
-            let following = Following {
-                base: whole_base,
-                base_normals: whole_normals,
-                first: tile * TILE,
-                len: range.len(),
-                moves,
-                weights: rows.weights_of(first + tile),
-                slopes: rows.slopes_of(first + tile).unwrap_or_default(),
-                unit: nodes.step / ONE as f32,
-                slope_units: rows.slope_units_of(first + tile),
-                step: nodes.step,
-                limit: job.view.limit(longest),
-                own: DamageView::own_limits(&job.lod.mesh, job.block, longest),
-            };
-            let (low, high) = levels::follow(&following, to, to_normals);
-            bounds.union(&Aabb { min: low, max: high });
-        }
-    }
+    // The last block of a mesh may be short.
+    let short = base.len() < 3 * BLOCK;
+    let to = if short { &mut *short_to } else { into(positions, short_to) };
+    let to_normals = match &mut normals {
+        Some(n) if !short => into(n, short_normals),
+        _ => &mut *short_normals,
+    };
+    let following = Following {
+        base: whole(base, whole_base),
+        base_normals: base_normals.map(|base| whole(base, whole_normals)),
+        len: base.len() / 3,
+        rows: &job.lod.rows,
+        tile: job.block * (BLOCK / TILE),
+        nodes,
+        limit: job.view.depth_limit,
+        own: mesh.limits().least().get(job.block).map(|least| (*least, mesh.limits().block(job.block))),
+    };
+    let (min, max) = levels::follow(&following, moves, to, to_normals);
     if short {
         positions.copy_from_slice(&short_to[..positions.len()]);
         if let Some(n) = normals {
             n.copy_from_slice(&short_normals[..n.len()]);
         }
     }
-    bounds
+    Aabb { min, max }
 }
 
 /// A whole block to write to: `to`, or `scratch` if `to` is short.

@@ -5,49 +5,58 @@
 
 #![expect(clippy::undocumented_unsafe_blocks, reason = "where none is given, it is the one above")]
 
-use super::kernel::{Extent, V, add, each, kept_share, load3, normal, scaled, store3};
+use super::kernel::{Extent, Flat, V, add, each, kept_share, load3, normal, scaled, store3};
 use super::simd::Simd;
-use crate::basis::TILE;
+use super::view::{NodeView, may_reach};
+use crate::base::pairs::{Pairs, paired};
+use crate::basis::{ONE, Rows, TILE};
 use crate::mesh::limits::BlockLimits;
 use crate::mesh::vertex_blocks::BLOCK;
 use glam::Vec3;
 
-/// The vertices of one tile and the nodes that they follow.
+/// The vertices of one block and the nodes that they follow.
 pub(crate) struct Following<'a> {
     /// Undeformed positions of the block x y z x y z …, and unit normals if they are wanted.
-    pub base: &'a [f32; 3 * BLOCK],
-    pub base_normals: Option<&'a [f32; 3 * BLOCK]>,
-    /// The tile's first vertex in the block, and the number of its vertices.
-    pub first: usize,
+    pub base: &'a Flat,
+    pub base_normals: Option<&'a Flat>,
+    /// Number of its vertices.
     pub len: usize,
-    /// For each pair of nodes the steps of both, 16 bits each, along x, y and z.
-    pub moves: &'a [[i32; 3]],
-    /// [`TILE`] pairs of weights for each pair of nodes.
-    pub weights: &'a [i8],
-    /// The same for slopes along both tangents, first all pairs of one, then all of the other. Empty without normals.
-    pub slopes: &'a [i8],
-    /// What a sum of weights times steps is multiplied by, m.
-    pub unit: f32,
-    /// The unit of each vertex's slopes, 1/m, [`TILE`] of them, and the step, m. Empty without normals.
-    pub slope_units: &'a [f32],
-    pub step: f32,
-    /// The depth limit, m; `None` if nothing reaches it.
-    pub limit: Option<f32>,
-    /// The limits of the block's vertices; `None` if nothing reaches them.
-    pub own: Option<BlockLimits<'a>>,
+    pub rows: &'a Rows,
+    /// Its first tile.
+    pub tile: usize,
+    pub nodes: NodeView<'a>,
+    /// The depth limit, m.
+    pub limit: f32,
+    /// The limits of the block's vertices, and the least of them, m.
+    pub own: Option<(f32, BlockLimits<'a>)>,
 }
 
-/// Groups of lanes that are summed side by side, so that each pair's steps are loaded once for all of them.
-const GROUPS: usize = 2;
+/// For each pair of a tile's nodes the steps of both, 16 bits each, along x, y and z.
+pub(crate) type Moves = Vec<Pairs>;
 
-/// Weighted sums of the pairs' steps for the lanes of some groups, the first of which begins with vertex `at` of the tile.
+/// Gathers the steps of a tile's nodes. Returns the longest displacement, in steps: 0 if none moves.
 #[inline(always)]
-unsafe fn sums<S: Simd>(moves: &[[i32; 3]], weights: *const i8, at: usize) -> [[S::I; 3]; GROUPS] {
+fn gather(nodes: NodeView<'_>, of_tile: &[u32], moves: &mut Moves) -> u16 {
+    let pairs = of_tile.as_chunks::<2>().0;
+    moves.resize(pairs.len(), [0; 4]);
+    let mut most = [0u16; 8];
+    for ([a, b], to) in pairs.iter().zip(moves) {
+        *to = paired(nodes.steps[*a as usize], nodes.steps[*b as usize]);
+        let numbers: [u16; 8] = bytemuck::cast(*to);
+        most.iter_mut().zip(numbers).for_each(|(most, x)| *most = (*most).max(x));
+    }
+    most[6].max(most[7])
+}
+
+/// Weighted sums of the pairs' steps for the lanes of some groups, from a vertex of the tile on, whose first weights are `weights`. The
+/// groups are summed side by side, so that each pair's steps are loaded once for all of them.
+#[inline(always)]
+unsafe fn sums<S: Simd, const GROUPS: usize>(moves: &[Pairs], weights: *const i8) -> [[S::I; 3]; GROUPS] {
     // SAFETY: the caller passes the weights of as many pairs, for whole tiles.
     unsafe {
         let mut sums = [[S::splat_int(0); 3]; GROUPS];
         for (pair, moves) in moves.iter().enumerate() {
-            let own = weights.add(2 * (pair * TILE + at));
+            let own = weights.add(2 * pair * TILE);
             let steps = each!(k => S::splat_int(moves[k]));
             for (group, sum) in sums.iter_mut().enumerate() {
                 let w = S::load_pairs(own.add(2 * group * S::LANES));
@@ -64,48 +73,68 @@ unsafe fn in_units<S: Simd>(v: [S::I; 3], unit: S::F) -> V<S> {
     unsafe { each!(k => S::mul(S::float(v[k]), unit)) }
 }
 
-/// Writes deformed positions, and unit normals if `NORMALS`, of the tile's vertices. Returns the bounds of the positions.
+/// Writes deformed positions, and unit normals if `NORMALS`, of the block's vertices: [`TILE`] are `GROUPS` times the lanes. `moves` is
+/// memory to use. Returns the bounds of the positions.
 #[inline(always)]
-pub(crate) unsafe fn follow<S: Simd, const NORMALS: bool>(
-    tile: &Following<'_>,
-    positions: &mut [f32; 3 * BLOCK],
-    normals: &mut [f32; 3 * BLOCK],
+pub(crate) unsafe fn follow<S: Simd, const GROUPS: usize, const NORMALS: bool>(
+    block: &Following<'_>,
+    moves: &mut Moves,
+    positions: &mut Flat,
+    normals: &mut Flat,
 ) -> (Vec3, Vec3) {
-    let pairs = tile.moves.len();
-    assert!(tile.weights.len() == 2 * TILE * pairs && tile.first + TILE <= BLOCK && tile.len <= TILE);
-    assert!(!NORMALS || tile.slopes.len() == 4 * TILE * pairs && tile.slope_units.len() == TILE);
-    // SAFETY: guaranteed by the caller; the lanes lie in the tile, which lies in the block.
+    const { assert!(GROUPS * S::LANES == TILE) };
+    assert!(block.len <= BLOCK);
+    let base_normals = block.base_normals.filter(|_| NORMALS);
+    // SAFETY: guaranteed by the caller; the lanes lie in a tile, which lies in the block.
     unsafe {
         let mut extent = Extent::<S>::new();
-        for at in (0..tile.len).step_by(GROUPS * S::LANES) {
-            let moved = sums::<S>(tile.moves, tile.weights.as_ptr(), at);
+        for (tile, first) in (block.tile..).zip((0..block.len).step_by(TILE)) {
+            let longest = gather(block.nodes, block.rows.nodes_of(tile), moves);
+            let (at, len) = (3 * first, (block.len - first).min(TILE));
+            if longest == 0 {
+                for group in 0..GROUPS {
+                    let here = at + 3 * group * S::LANES;
+                    let p = load3::<S>(block.base.as_ptr().add(here));
+                    store3::<S>(p, positions.as_mut_ptr().add(here));
+                    extent.add_some(p, &positions[at..at + 3 * len], group);
+                }
+                if let Some(base) = base_normals {
+                    normals[at..at + 3 * TILE].copy_from_slice(&base[at..at + 3 * TILE]);
+                }
+                continue;
+            }
+            // No vertex moves further.
+            let most = block.rows.tiles[tile].most as f32 / ONE as f32;
+            let longest = f32::from(longest) * block.nodes.step * most;
+            let limit = Some(block.limit).filter(|limit| may_reach(longest, *limit));
+            let own = block.own.filter(|(least, _)| may_reach(longest, *least)).map(|(_, own)| own);
+            let weights = block.rows.weights_of(tile);
+            assert!(weights.len() == 2 * TILE * moves.len());
+            let moved = sums::<S, GROUPS>(moves, weights.as_ptr());
+            let unit = S::splat(block.nodes.step / ONE as f32);
             let mut factors = [S::splat(1.0); GROUPS];
             for group in 0..GROUPS {
-                let here = tile.first + at + group * S::LANES;
-                let s = in_units::<S>(moved[group], S::splat(tile.unit));
-                factors[group] = kept_share::<S>(s, tile.limit, tile.own, here);
-                let p = add::<S>(load3::<S>(tile.base.as_ptr().add(3 * here)), scaled::<S>(s, factors[group]));
+                let here = first + group * S::LANES;
+                let s = in_units::<S>(moved[group], unit);
+                factors[group] = kept_share::<S>(s, limit, own, here);
+                let p = add::<S>(load3::<S>(block.base.as_ptr().add(3 * here)), scaled::<S>(s, factors[group]));
                 store3::<S>(p, positions.as_mut_ptr().add(3 * here));
-                let end = at + (group + 1) * S::LANES;
-                if end <= tile.len {
-                    extent.add(p);
-                } else if end - S::LANES < tile.len {
-                    extent.add_rest(&positions[3 * here..3 * (tile.first + tile.len)]);
-                }
+                extent.add_some(p, &positions[at..at + 3 * len], group);
             }
-            let Some(base) = tile.base_normals.filter(|_| NORMALS) else { continue };
-            let along_x = sums::<S>(tile.moves, tile.slopes.as_ptr(), at);
-            let along_y = sums::<S>(tile.moves, tile.slopes.as_ptr().add(2 * TILE * pairs), at);
+            let Some(base) = base_normals else { continue };
+            let (slopes, units) = (block.rows.slopes_of(tile).unwrap_or_default(), block.rows.slope_units_of(tile));
+            assert!(slopes.len() == 2 * weights.len() && units.len() == TILE);
+            let along_x = sums::<S, GROUPS>(moves, slopes.as_ptr());
+            let along_y = sums::<S, GROUPS>(moves, slopes.as_ptr().add(weights.len()));
             for group in 0..GROUPS {
-                let here = tile.first + at + group * S::LANES;
-                let n = load3::<S>(base.as_ptr().add(3 * here));
-                let slopes = [along_x[group], along_y[group]];
-                let units = S::load(tile.slope_units.as_ptr().add(at + group * S::LANES));
-                let unit = S::mul(S::splat(tile.step), units);
-                let [a, b] = [in_units::<S>(slopes[0], unit), in_units::<S>(slopes[1], unit)];
+                let here = 3 * (first + group * S::LANES);
+                let n = load3::<S>(base.as_ptr().add(here));
+                let units = S::load(units.as_ptr().add(group * S::LANES));
+                let unit = S::mul(S::splat(block.nodes.step), units);
+                let [a, b] = [in_units::<S>(along_x[group], unit), in_units::<S>(along_y[group], unit)];
                 let change = turned::<S>(n, a, b);
                 let n = normal::<S>(n, change, scaled::<S>(change, factors[group]));
-                store3::<S>(n, normals.as_mut_ptr().add(3 * here));
+                store3::<S>(n, normals.as_mut_ptr().add(here));
             }
         }
         extent.bounds()

@@ -112,7 +112,7 @@ impl<S: Simd> Extent<S> {
 
     /// Adds vectors.
     #[inline(always)]
-    pub(super) unsafe fn add(&mut self, v: V<S>) {
+    unsafe fn add(&mut self, v: V<S>) {
         for k in 0..3 {
             unsafe {
                 self.low[k] = S::min(v[k], self.low[k]);
@@ -121,12 +121,17 @@ impl<S: Simd> Extent<S> {
         }
     }
 
-    /// Adds vectors x y z x y z …, one by one.
+    /// Adds those lanes that are among a tile's vertices, `written` x y z x y z …. The lanes are `group` groups after the first.
     #[inline(always)]
-    pub(super) fn add_rest(&mut self, rest: &[f32]) {
-        for v in rest.chunks_exact(3) {
-            self.rest.0 = self.rest.0.min(Vec3::from_slice(v));
-            self.rest.1 = self.rest.1.max(Vec3::from_slice(v));
+    pub(super) unsafe fn add_some(&mut self, v: V<S>, written: &[f32], group: usize) {
+        let (first, len) = (group * S::LANES, written.len() / 3);
+        if first + S::LANES <= len {
+            unsafe { self.add(v) };
+        } else {
+            for v in written[3 * first.min(len)..].as_chunks::<3>().0 {
+                self.rest.0 = self.rest.0.min(Vec3::from_array(*v));
+                self.rest.1 = self.rest.1.max(Vec3::from_array(*v));
+            }
         }
     }
 

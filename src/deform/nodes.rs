@@ -109,8 +109,7 @@ impl NodeState {
         for (node, ((is_touched, sum), steps)) in (0..).zip(nodes).filter(|(_, ((is_touched, _), _))| **is_touched) {
             *is_touched = false;
             let moved = sum.as_vec3() * unit;
-            let [x, y, z] = in_steps(soft(moved, limit), step);
-            let before = std::mem::replace(steps, [x, y, z, 0]);
+            let before = std::mem::replace(steps, with_length(in_steps(soft(moved, limit), step)));
             if before != *steps || everything && before != [0; 4] {
                 changed(node);
             }
@@ -136,6 +135,13 @@ impl NodeState {
             + self.steps.capacity() * size_of::<NodeSteps>()
             + self.is_touched.capacity()
     }
+}
+
+/// The steps of a node with their length.
+fn with_length([x, y, z]: [i16; 3]) -> NodeSteps {
+    let length = Vec3::from([x, y, z].map(f32::from)).length();
+    let below = length as u16;
+    [x, y, z, (below + u16::from(f32::from(below) < length)) as i16]
 }
 
 /// Nodes move no further than this many times the set's own depth limit, whatever that of the instance: so that steps stay fine.

@@ -2,8 +2,6 @@
 
 use crate::damage::changes::Changes;
 use crate::example::set::ExampleSet;
-use crate::mesh::Mesh;
-use crate::mesh::limits::BlockLimits;
 use glam::Vec3;
 
 /// One instance's damage, for any of the set's meshes.
@@ -27,7 +25,7 @@ pub(crate) enum Shape<'a> {
     Vertices(DisplacedVertices<'a>),
 }
 
-/// The displacement of a node in steps; the fourth number is 0.
+/// The displacement of a node in steps. The fourth number is its length, rounded up, as 16 bits without a sign.
 pub(crate) type NodeSteps = [i16; 4];
 
 /// Displacements of nodes.
@@ -49,12 +47,6 @@ pub(crate) struct DisplacedVertices<'a> {
 }
 
 impl DamageView<'_> {
-    /// The limits of a block's own vertices, if displacements as long as `longest` (m) may reach them.
-    pub(crate) fn own_limits(mesh: &Mesh, block: usize, longest: f32) -> Option<BlockLimits<'_>> {
-        let least = *mesh.limits().least().get(block)?;
-        may_reach(longest, least).then(|| mesh.limits().block(block))
-    }
-
     /// The depth limit, m, if displacements as long as `longest` (m) may reach it.
     pub(crate) fn limit(&self, longest: f32) -> Option<f32> {
         Some(self.depth_limit).filter(|limit| may_reach(longest, *limit))

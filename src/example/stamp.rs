@@ -20,10 +20,11 @@
 //! side.
 
 use crate::base::array::Array;
-use crate::base::math::Aabb;
+use crate::base::math::{Aabb, Four, small_floors, small_wholes};
+use crate::base::pairs::{dot, pair, paired};
 use crate::mesh::field::Field;
 use crate::mesh::nearest::VertexIndex;
-use glam::{Mat3, UVec2, Vec2, Vec3};
+use glam::{Mat3, UVec2, Vec2, Vec3, Vec4};
 use std::collections::VecDeque;
 
 /// Displacements below this share of the deepest do not enlarge the grid. Otherwise long flat tails would take nodes
@@ -170,7 +171,7 @@ impl Stamp {
 
     /// Displacement at `p`, m. Both are in the contact frame. Zero outside the grid.
     pub fn displacement(&self, p: Vec3) -> Vec3 {
-        self.reader(1.0).at(p).unwrap_or(Vec3::ZERO)
+        self.reader(1.0).read(p.to_array().map(Vec4::splat))[0]
     }
 
     /// What reads the stamp, stretched along the surface, at many points.
@@ -256,29 +257,38 @@ pub(crate) struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    /// Displacement at `p`, m. Both are in the contact frame. `None` outside the grid.
+    /// Displacements at four points, m, zero outside the grid. Both are in the contact frame.
     #[inline(always)]
-    pub(crate) fn at(&self, p: Vec3) -> Option<Vec3> {
-        let lift = lift(p.z, (p.x * p.x + p.y * p.y) / self.stretch_square);
-        let g = Vec2::new(p.x, p.y) * lift * self.per_cell - self.origin;
-        // Also for NaN.
-        if !(g.cmpge(Vec2::ZERO).all() && g.cmple(self.top).all()) {
-            return None;
+    pub(crate) fn read(&self, [x, y, z]: Four) -> [Vec3; 4] {
+        // NaN where both are 0, and then 2: as in `lift`.
+        let steep = z * z / ((x * x + y * y) / self.stretch_square);
+        let lift = Vec4::ONE + 0.5 * Vec4::select(steep.cmplt(Vec4::splat(2.0)), steep, Vec4::splat(2.0));
+        let (gx, gy) = (x * lift * self.per_cell.x - self.origin.x, y * lift * self.per_cell.y - self.origin.y);
+        // Not for NaN.
+        let (least, top) = (gx.min(gy).cmpge(Vec4::ZERO), (Vec4::splat(self.top.x), Vec4::splat(self.top.y)));
+        let inside = (least & gx.cmple(top.0) & gy.cmple(top.1)).bitmask();
+        // Whatever they are: a node that is not the last.
+        let within = |g: Vec4, last: f32| small_floors(g.max(Vec4::ZERO).min(Vec4::splat(last)));
+        let (column, row) = (within(gx, self.last.x), within(gy, self.last.y));
+        let first = small_wholes(column + row * self.row as f32);
+        let (tx, ty) = ((gx - column) * WEIGHTS, (gy - row) * WEIGHTS);
+        let weights = [tx, ty, tx * ty * (1.0 / WEIGHTS)].map(small_wholes);
+        let z = z.to_array();
+        let mut out = [Vec3::ZERO; 4];
+        for i in 0..4 {
+            let first = first[i] as usize;
+            let near = if inside & (1 << i) != 0 { self.nodes.get(first..first + 2) } else { None };
+            let Some([a, b]) = near else { continue };
+            let Some([c, d]) = self.nodes.get(first + self.row..first + self.row + 2) else { continue };
+            let [x, y, both] = weights.map(|w| w[i]);
+            let none = (WEIGHTS as i32 - x - y + both).max(0);
+            let near = dot(paired(*a, *b), pair(none as i16, (x - both) as i16));
+            let far = dot(paired(*c, *d), pair((y - both) as i16, both as i16));
+            let [x, y, over, h] = [0, 1, 2, 3].map(|k| (near[k] + far[k]) as f32);
+            let keep = (2.0 - (z[i] - h * self.height).abs() * self.fade).clamp(0.0, 1.0);
+            out[i] = Vec3::new(x, y, over) * self.displacement * keep;
         }
-        let node = g.min(self.last).as_uvec2();
-        let t = (g - node.as_vec2()) * WEIGHTS;
-        let (x, y, both) = (t.x as i32, t.y as i32, (t.x * t.y * (1.0 / WEIGHTS)) as i32);
-        let weights = [(WEIGHTS as i32 - x - y + both).max(0), x - both, y - both, both];
-        let first = node.x as usize + node.y as usize * self.row;
-        let near = self.nodes.get(first..first + 2)?;
-        let far = self.nodes.get(first + self.row..first + self.row + 2)?;
-        let mut sums = [0i32; 4];
-        for (node, w) in near.iter().chain(far).zip(weights) {
-            sums.iter_mut().zip(node).for_each(|(s, n)| *s += w * i32::from(*n));
-        }
-        let [x, y, z, h] = sums.map(|s| s as f32);
-        let keep = (2.0 - (p.z - h * self.height).abs() * self.fade).clamp(0.0, 1.0);
-        Some(Vec3::new(x, y, z) * self.displacement * keep)
+        out
     }
 }
 

@@ -17,7 +17,7 @@ const OCTAHEDRAL16X2 = 4u;
 // Flag of a target that follows nodes: the depth limit may be reached.
 const LIMITED = 1u;
 // Vertices a tile, and the unit of weights: src/basis/mod.rs.
-const TILE = 64u;
+const TILE = 16u;
 const WEIGHT: f32 = 0.015625;
 
 // Flag of a target with a classic rule: the vertices are at rest and have no state yet.

@@ -5,7 +5,7 @@
 // (1/m). All but the number count words from the tiles on.
 const TILE_WORDS = 5u;
 // Words of the weights of a pair of nodes: two vertices a word.
-const PAIR_WORDS = 32u;
+const PAIR_WORDS = TILE / 2u;
 
 // The steps of a node along x, y and z.
 fn node_steps(first: u32, node: u32) -> vec3<i32> {

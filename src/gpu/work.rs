@@ -115,8 +115,7 @@ impl FrameWork {
             let [a, b] = [node(&pair[0]), pair.get(1).map_or([0; 4], node)];
             self.parts.push([a[0] | a[1] << 16, a[2], b[0] | b[1] << 16, b[2]]);
         }
-        let length = |n: &NodeSteps| Vec3::new(n[0].into(), n[1].into(), n[2].into()).length_squared();
-        let farthest = nodes.steps.iter().map(length).fold(0.0, f32::max).sqrt() * nodes.step;
+        let farthest = f32::from(nodes.steps.iter().map(|n| n[3] as u16).max().unwrap_or(0)) * nodes.step;
         let most = shown.mesh.rows.tiles.iter().map(|t| t.most).max().unwrap_or(0);
         let longest = farthest * (most as f32 / ONE as f32);
         let limit = shown.view.limit(longest);

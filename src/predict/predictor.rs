@@ -3,12 +3,12 @@
 use super::body::held;
 use super::features::{Point, Points, STRENGTH_AXIS, Strike, point};
 use super::kernel::{GROUPS, exp, matern};
-use super::lookup::nearest;
 use super::options::Learned;
 use super::own::{self, OwnFields};
 use super::size::SizeLaw;
 use super::stamp::{Frames, STAMP, View, read};
 use super::{Blow, Hit, Prediction, Told};
+use crate::base::math::{Four, side_by_side};
 use crate::mesh::mirror::Mirror;
 use glam::{Vec3, Vec4};
 
@@ -240,24 +240,34 @@ impl Predictor {
         let (w, v) = (model.share as f32, (1.0 - model.share) as f32);
         let view = View::new(&self.frames, hit.contact, hit.normal, self.diagonal, wide);
         view.turned(&s.stamp, v, &mut s.turned);
-        let mut squares = 0.0f64;
-        let points = self.points.iter().zip(&self.normals).zip(s.field.as_chunks_mut::<3>().0);
-        for (v, ((p, n), u)) in points.enumerate() {
-            let distance = (*p - hit.contact).length();
-            if distance >= END * self.reach {
-                *u = [0.0; 3];
+        let far = END * self.reach;
+        let (mut squares, mut contact, mut least) = (0.0f64, 0, f32::INFINITY);
+        let field = s.field.as_chunks_mut::<3>().0.chunks_mut(4);
+        let points = self.points.chunks(4).zip(self.normals.chunks(4)).zip(field);
+        for (first, ((points, normals), field)) in (0..).step_by(4).zip(points) {
+            // Missing points are outside.
+            let at = side_by_side(points, f32::INFINITY);
+            let [x, y, z]: Four = std::array::from_fn(|k| at[k] - hit.contact[k]);
+            let distances = (x * x + y * y + z * z).to_array();
+            for (i, distance) in distances.iter().enumerate() {
+                if *distance < least {
+                    (contact, least) = (first + i, *distance);
+                }
+            }
+            if distances.iter().all(|d| *d >= far * far) {
+                field.fill([0.0; 3]);
                 continue;
             }
-            let mut sum = Vec3::from_array(*u) * w;
-            if let Some(cell) = view.cell(*p, *n) {
-                sum += read(&s.turned, &cell) * held(&self.held, v);
+            let cells = view.cells(&at, &side_by_side(normals, 0.0));
+            for (i, u) in field.iter_mut().enumerate() {
+                let mut sum = Vec3::from_array(*u) * w + read(&s.turned, &cells, i) * held(&self.held, first + i);
+                if distances[i] > self.reach * self.reach {
+                    let t = ((distances[i].sqrt() / self.reach - END) / (1.0 - END)).clamp(0.0, 1.0);
+                    sum *= t * t * (3.0 - 2.0 * t);
+                }
+                *u = sum.to_array();
+                squares += f64::from(sum.length_squared());
             }
-            if distance > self.reach {
-                let t = (distance / self.reach - END) / (1.0 - END);
-                sum *= t * t * (3.0 - 2.0 * t);
-            }
-            *u = sum.to_array();
-            squares += f64::from(sum.length_squared());
         }
         if squares.is_nan() || squares <= 0.0 {
             return Prediction { expected_error: (errors / all) as f32, ..Prediction::default() };
@@ -282,7 +292,6 @@ impl Predictor {
             s.field.iter_mut().for_each(|x| *x *= unit);
         }
 
-        let contact = nearest(&self.points, hit.contact);
         let there = Vec3::from_slice(&s.field[3 * contact..]).length();
         let mut size = exp(log.clamp(-40.0, 20.0)) as f32;
         match told {
@@ -296,17 +305,17 @@ impl Predictor {
                 size *= (t * t * (3.0 - 2.0 * t)) as f32;
             }
         }
-        let longest =
-            s.field.as_chunks::<3>().0.iter().fold(0.0f32, |m, u| m.max(Vec3::from_array(*u).length_squared()));
+        let square = |u: &[f32; 3]| u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+        let field = s.field.as_chunks::<3>().0;
+        let longest = field.iter().fold(0.0f32, |m, u| m.max(square(u)));
         let faint = FAINT * longest.sqrt() * (1.0 - exact);
-        for (v, u) in s.field.as_chunks::<3>().0.iter().enumerate() {
-            let u = Vec3::from_array(*u);
-            let length = u.length();
-            if length <= faint || length == 0.0 {
+        for (v, u) in field.iter().enumerate() {
+            let square = square(u);
+            if square <= faint * faint {
                 continue;
             }
-            let kept = if length < 2.0 * faint { (length - faint) / faint } else { 1.0 };
-            let moved = u * (size * kept);
+            let kept = if square < 4.0 * faint * faint { (square.sqrt() - faint) / faint } else { 1.0 };
+            let moved = Vec3::from_array(*u) * (size * kept);
             if moved != Vec3::ZERO {
                 out.push((v as u32, moved));
             }

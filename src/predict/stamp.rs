@@ -1,6 +1,7 @@
 //! Frames of contacts, and a field resampled into a grid there.
 
 use super::linear::Banded;
+use crate::base::math::{Four, dots, small_floors, small_wholes};
 use glam::{DMat3, DVec3, Vec3, Vec4};
 
 /// Nodes of the grid a side.
@@ -88,13 +89,13 @@ pub(super) struct View {
     scale: f32,
 }
 
-/// Where a point lies in the grid.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Cell {
+/// Where four points lie in the grid.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Cells {
     /// The node with the smallest coordinates; the others are 1, `SIDE` and `SIDE + 1` further.
-    pub node: usize,
-    /// Weights of the four nodes; their sum is below 1 near the other side of the body.
-    pub weights: [f32; 4],
+    pub node: [i32; 4],
+    /// The weights of each of the four nodes; their sum is below 1 near the other side of the body, and 0 there and outside.
+    pub weights: [Vec4; 4],
 }
 
 impl View {
@@ -106,28 +107,36 @@ impl View {
         Self { contact, normal, frame: frames.at(normal).as_mat3(), near: near as f32, scale: scale as f32 }
     }
 
-    /// The place of a point with a normal in the grid, if it is inside and on this side of the body.
-    #[inline]
-    pub(super) fn cell(&self, point: Vec3, normal: Vec3) -> Option<Cell> {
-        let facing = normal.dot(self.normal);
-        if facing <= BACK && normal != Vec3::ZERO {
-            return None;
-        }
-        let r = point - self.contact;
-        let (x, y, z) = (r.dot(self.frame.x_axis), r.dot(self.frame.y_axis), r.dot(self.frame.z_axis));
+    /// The places of points with normals in the grid.
+    #[inline(always)]
+    pub(super) fn cells(&self, points: &Four, normals: &Four) -> Cells {
+        let (zero, one, two) = (Vec4::ZERO, Vec4::ONE, Vec4::splat(2.0));
+        let r: Four = std::array::from_fn(|k| points[k] - self.contact[k]);
+        let [x, y, z] = [self.frame.x_axis, self.frame.y_axis, self.frame.z_axis].map(|axis| dots(&r, axis));
         // The surface around the contact, unrolled on a plane.
-        let unroll = 1.0 + 0.5 * (z * z / (x * x + y * y).max(1e-12)).min(2.0);
-        let place = |q: f32| self.scale * (q / (q.abs() + self.near)) + 0.5 * (SIDE - 1) as f32;
+        let unroll = one + 0.5 * (z * z / (x * x + y * y).max(Vec4::splat(1e-12))).min(two);
+        let place = |q: Vec4| q / (q.abs() + self.near) * self.scale + 0.5 * (SIDE - 1) as f32;
         let (a, b) = (place(x * unroll), place(y * unroll));
-        let last = (SIDE - 1) as f32;
-        if !(a > 0.0 && a < last && b > 0.0 && b < last) {
-            return None;
-        }
-        let (i, j) = (a as usize, b as usize);
-        let (u, v) = (a - i as f32, b - j as f32);
-        let f = if normal == Vec3::ZERO { 1.0 } else { ((facing - BACK) / (FRONT - BACK)).min(1.0) };
-        let weights = [f * (1.0 - u) * (1.0 - v), f * (1.0 - u) * v, f * u * (1.0 - v), f * u * v];
-        Some(Cell { node: i * SIDE + j, weights })
+        let last = Vec4::splat((SIDE - 1) as f32);
+        // Not for NaN.
+        let is_inside = a.min(b).cmpgt(zero) & a.max(b).cmplt(last);
+        let facing = (dots(normals, self.normal) - BACK) / (FRONT - BACK);
+        // Points without a normal are on both sides.
+        let is_flat = normals[0].cmpeq(zero) & normals[1].cmpeq(zero) & normals[2].cmpeq(zero);
+        let f = Vec4::select(is_flat, one, facing.clamp(zero, one));
+        let f = Vec4::select(is_inside, f, zero);
+        // Elsewhere the first node.
+        let (a, b) = (Vec4::select(is_inside, a, zero), Vec4::select(is_inside, b, zero));
+        let (i, j) = (small_floors(a), small_floors(b));
+        let (u, v) = (a - i, b - j);
+        let weights = [f * (one - u) * (one - v), f * (one - u) * v, f * u * (one - v), f * u * v];
+        Cells { node: small_wholes(i * SIDE as f32 + j), weights }
+    }
+
+    /// The place of a point, four times; `None` outside and on the other side of the body.
+    pub(super) fn cell(&self, point: Vec3, normal: Vec3) -> Option<Cells> {
+        let [point, normal] = [point, normal].map(|v| v.to_array().map(Vec4::splat));
+        Some(self.cells(&point, &normal)).filter(|cell| cell.weights.iter().any(|w| w.x > 0.0))
     }
 
     /// The grid whose bilinear mean is nearest to the field (`STAMP` numbers in the frame of the contact), smooth where
@@ -139,11 +148,11 @@ impl View {
         for (v, (p, n)) in points.iter().zip(normals).enumerate() {
             let Some(cell) = self.cell(*p, *n) else { continue };
             let u = self.frame.transpose() * field(v);
-            let at = [cell.node, cell.node + 1, cell.node + SIDE, cell.node + SIDE + 1];
+            let at = [0, 1, SIDE, SIDE + 1].map(|k| cell.node[0] as usize + k);
             for a in 0..4 {
-                let w = f64::from(cell.weights[a]);
+                let w = f64::from(cell.weights[a].x);
                 (0..3).for_each(|c| right[at[a]][c] += w * f64::from(u[c]));
-                (0..=a).for_each(|b| matrix.add(at[a], at[b], w * f64::from(cell.weights[b])));
+                (0..=a).for_each(|b| matrix.add(at[a], at[b], w * f64::from(cell.weights[b].x)));
             }
         }
         // Squared second differences along both axes.
@@ -173,11 +182,11 @@ impl View {
     }
 }
 
-/// A turned stamp's displacement at a cell.
-#[inline]
-pub(super) fn read(turned: &[Vec4], cell: &Cell) -> Vec3 {
-    let [a, b, c, d] = cell.weights;
-    let k = cell.node;
+/// A turned stamp's displacement at one of the cells.
+#[inline(always)]
+pub(super) fn read(turned: &[Vec4], cells: &Cells, i: usize) -> Vec3 {
+    let [a, b, c, d] = cells.weights.map(|w| w[i]);
+    let k = cells.node[i] as usize;
     let (low, high) = (&turned[k..k + 2], &turned[k + SIDE..k + SIDE + 2]);
     ((low[0] * a + low[1] * b) + (high[0] * c + high[1] * d)).truncate()
 }
@@ -209,7 +218,7 @@ mod tests {
         view.turned(&stamp, 1.0, &mut turned);
         let mut sums = (0.0, 0.0);
         for (v, p) in points.iter().enumerate() {
-            let read = view.cell(*p, Vec3::Z).map_or(Vec3::ZERO, |cell| read(&turned, &cell));
+            let read = view.cell(*p, Vec3::Z).map_or(Vec3::ZERO, |cell| read(&turned, &cell, 0));
             sums.0 += (read - field(v)).length_squared();
             sums.1 += field(v).length_squared();
         }

@@ -114,9 +114,9 @@ impl Sheets {
         };
         let Some(exact) = ours(Width::F32).next() else { return Ok(()) };
         for width in self.sets.iter().map(|(width, _)| *width) {
-            // Each example is off by as much at most; strengths and scales are below 1. The weights of nodes are rounded, for other
-            // examples otherwise.
-            let allowed = self.examples as f32 * tolerance(width, self.largest).unwrap_or(0.0) + 0.01 * self.largest;
+            // Each example is off by as much at most; strengths and scales are below 1. Nodes are learned from other numbers, and where a
+            // disc ends they are off by some hundredths.
+            let allowed = self.examples as f32 * tolerance(width, self.largest).unwrap_or(0.0) + 0.03 * self.largest;
             for positions in ours(width) {
                 let apart = |(a, b): (&[f32; 3], &[f32; 3])| Vec3::from_array(*a).distance(Vec3::from_array(*b));
                 let worst = positions.iter().zip(exact).map(apart).fold(0.0, f32::max);
