@@ -85,15 +85,31 @@ impl SetNodes {
 
 impl Followers {
     fn new(rows: &Rows, nodes: usize) -> Self {
-        let per_block = BLOCK / TILE;
-        let mut pairs: Vec<(u32, u32)> = Vec::with_capacity(rows.nodes.len());
-        for tile in 0..rows.tiles.len() {
-            pairs.extend(rows.nodes_of(tile).iter().map(|n| (*n, (tile / per_block) as u32)));
+        // Each node and block once, by block.
+        let visit = |f: &mut dyn FnMut(usize, u32)| {
+            let mut last = vec![u32::MAX; nodes];
+            for tile in 0..rows.tiles.len() {
+                let block = (tile / (BLOCK / TILE)) as u32;
+                for node in rows.nodes_of(tile).iter().map(|n| *n as usize) {
+                    if std::mem::replace(&mut last[node], block) != block {
+                        f(node, block);
+                    }
+                }
+            }
+        };
+        let mut ends = vec![0u32; nodes];
+        visit(&mut |node, _| ends[node] += 1);
+        let mut sum = 0;
+        for end in &mut ends {
+            sum += *end;
+            *end = sum - *end;
         }
-        pairs.sort_unstable();
-        pairs.dedup();
-        let ends = (0..nodes as u32).map(|n| pairs.partition_point(|(node, _)| *node <= n) as u32).collect();
-        Followers { ends, blocks: pairs.into_iter().map(|(_, block)| block).collect() }
+        let mut blocks = vec![0; sum as usize];
+        visit(&mut |node, block| {
+            blocks[ends[node] as usize] = block;
+            ends[node] += 1;
+        });
+        Followers { ends, blocks }
     }
 
     /// The blocks with a vertex that follows the node.

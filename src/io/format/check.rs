@@ -86,8 +86,9 @@ pub(super) fn rows(rows: &Rows, weld: &[u32], nodes: usize) -> Result<(), Error>
     if first as usize != rows.nodes.len() {
         return Err(wrong("the length of section tile nodes", rows.nodes.len(), format!("{first}, as tiles have")));
     }
-    for (at, unit) in rows.slope_units.iter().enumerate() {
-        between(&format!("slope unit {at}"), *unit, f32::MIN_POSITIVE, f32::MAX)?;
+    let (low, high) = (f32::MIN_POSITIVE, f32::MAX);
+    if let Some(at) = rows.slope_units.iter().position(|unit| !(low..=high).contains(unit)) {
+        between(&format!("slope unit {at}"), rows.slope_units[at], low, high)?;
     }
     let row = |v: usize| {
         let mut row: Vec<(u32, i32)> = rows.of(v as u32).collect();
