@@ -46,13 +46,6 @@ pub(crate) struct DisplacedVertices<'a> {
     pub normals: &'a [Vec3],
 }
 
-impl DamageView<'_> {
-    /// The depth limit, m, if displacements as long as `longest` (m) may reach it.
-    pub(crate) fn limit(&self, longest: f32) -> Option<f32> {
-        Some(self.depth_limit).filter(|limit| may_reach(longest, *limit))
-    }
-}
-
 /// Whether displacements as long as `longest` may reach the limit; both m. The factor exceeds any error of rounding.
 pub(crate) fn may_reach(longest: f32, limit: f32) -> bool {
     longest * 1.00001 > limit

@@ -118,7 +118,7 @@ impl FrameWork {
         let farthest = f32::from(nodes.steps.iter().map(|n| n[3] as u16).max().unwrap_or(0)) * nodes.step;
         let most = shown.mesh.rows.tiles.iter().map(|t| t.most).max().unwrap_or(0);
         let longest = farthest * (most as f32 / ONE as f32);
-        let limit = shown.view.limit(longest);
+        let limit = Some(shown.view.depth_limit).filter(|limit| may_reach(longest, *limit));
         let flags = if limit.is_some() { LIMITED } else { 0 };
         self.add_target(shown, (begin, longest), (flags, limit.unwrap_or(0.0), NONE));
         let grown = Vec3::splat(longest.min(shown.view.depth_limit) * ROUNDING);
