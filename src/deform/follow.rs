@@ -48,8 +48,8 @@ fn gather(nodes: NodeView<'_>, of_tile: &[u32], moves: &mut Moves) -> u16 {
     most[6].max(most[7])
 }
 
-/// Weighted sums of the pairs' steps for the lanes of some groups, from a vertex of the tile on, whose first weights are `weights`. The
-/// groups are summed side by side, so that each pair's steps are loaded once for all of them.
+/// Weighted sums of the pairs' steps for all vertices of a tile, whose weights begin at `weights`. Groups of lanes are summed side by
+/// side, so that each pair's steps are loaded once.
 #[inline(always)]
 unsafe fn sums<S: Simd, const GROUPS: usize>(moves: &[Pairs], weights: *const i8) -> [[S::I; 3]; GROUPS] {
     // SAFETY: the caller passes the weights of as many pairs, for whole tiles.

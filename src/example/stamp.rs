@@ -90,15 +90,16 @@ pub(crate) struct Grid {
 }
 
 /// Factor by which unrolling scales x and y. `up` is the height above or below the contact; `across` is x² + y².
-pub(crate) fn lift(up: f32, across: f32) -> f32 {
-    // NaN if both are 0. The comparison below then takes 2.
-    let steep = up * up / across;
-    1.0 + 0.5 * if steep < 2.0 { steep } else { 2.0 }
+#[inline(always)]
+fn lift(up: Vec4, across: Vec4) -> Vec4 {
+    let (steep, most) = (up * up / across, Vec4::splat(2.0));
+    // NaN if both are 0. The comparison then takes 2.
+    Vec4::ONE + 0.5 * Vec4::select(steep.cmplt(most), steep, most)
 }
 
 /// Maps a point in the contact frame to the plane. Points directly above or below the contact map to the origin.
 pub(crate) fn unrolled(p: Vec3) -> Vec2 {
-    let scale = lift(p.z, p.x * p.x + p.y * p.y);
+    let scale = lift(Vec4::splat(p.z), Vec4::splat(p.x * p.x + p.y * p.y)).x;
     Vec2::new(p.x * scale, p.y * scale)
 }
 
@@ -260,9 +261,7 @@ impl Reader<'_> {
     /// Displacements at four points, m, zero outside the grid. Both are in the contact frame.
     #[inline(always)]
     pub(crate) fn read(&self, [x, y, z]: Four) -> [Vec3; 4] {
-        // NaN where both are 0, and then 2: as in `lift`.
-        let steep = z * z / ((x * x + y * y) / self.stretch_square);
-        let lift = Vec4::ONE + 0.5 * Vec4::select(steep.cmplt(Vec4::splat(2.0)), steep, Vec4::splat(2.0));
+        let lift = lift(z, (x * x + y * y) / self.stretch_square);
         let (gx, gy) = (x * lift * self.per_cell.x - self.origin.x, y * lift * self.per_cell.y - self.origin.y);
         // Not for NaN.
         let (least, top) = (gx.min(gy).cmpge(Vec4::ZERO), (Vec4::splat(self.top.x), Vec4::splat(self.top.y)));

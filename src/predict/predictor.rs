@@ -248,21 +248,21 @@ impl Predictor {
             // Missing points are outside.
             let at = side_by_side(points, f32::INFINITY);
             let [x, y, z]: Four = std::array::from_fn(|k| at[k] - hit.contact[k]);
-            let distances = (x * x + y * y + z * z).to_array();
-            for (i, distance) in distances.iter().enumerate() {
-                if *distance < least {
-                    (contact, least) = (first + i, *distance);
+            let square_distances = (x * x + y * y + z * z).to_array();
+            for (i, square) in square_distances.iter().enumerate() {
+                if *square < least {
+                    (contact, least) = (first + i, *square);
                 }
             }
-            if distances.iter().all(|d| *d >= far * far) {
+            if square_distances.iter().all(|d| *d >= far * far) {
                 field.fill([0.0; 3]);
                 continue;
             }
             let cells = view.cells(&at, &side_by_side(normals, 0.0));
             for (i, u) in field.iter_mut().enumerate() {
                 let mut sum = Vec3::from_array(*u) * w + read(&s.turned, &cells, i) * held(&self.held, first + i);
-                if distances[i] > self.reach * self.reach {
-                    let t = ((distances[i].sqrt() / self.reach - END) / (1.0 - END)).clamp(0.0, 1.0);
+                if square_distances[i] > self.reach * self.reach {
+                    let t = ((square_distances[i].sqrt() / self.reach - END) / (1.0 - END)).clamp(0.0, 1.0);
                     sum *= t * t * (3.0 - 2.0 * t);
                 }
                 *u = sum.to_array();

@@ -32,7 +32,7 @@ pub(super) fn numbers_within(all: &[f32], limit: f32) -> bool {
 }
 
 /// The number must be finite, from `low` to `high`.
-pub(super) fn between(name: &str, x: f32, low: f32, high: f32) -> Result<(), Error> {
+pub(super) fn between(name: impl std::fmt::Display, x: f32, low: f32, high: f32) -> Result<(), Error> {
     if x >= low && x <= high { Ok(()) } else { Err(wrong(name, x, format!("{low:e} to {high:e}"))) }
 }
 
@@ -86,9 +86,8 @@ pub(super) fn rows(rows: &Rows, weld: &[u32], nodes: usize) -> Result<(), Error>
     if first as usize != rows.nodes.len() {
         return Err(wrong("the length of section tile nodes", rows.nodes.len(), format!("{first}, as tiles have")));
     }
-    let (low, high) = (f32::MIN_POSITIVE, f32::MAX);
-    if let Some(at) = rows.slope_units.iter().position(|unit| !(low..=high).contains(unit)) {
-        between(&format!("slope unit {at}"), rows.slope_units[at], low, high)?;
+    for (at, unit) in rows.slope_units.iter().enumerate() {
+        between(format_args!("slope unit {at}"), *unit, f32::MIN_POSITIVE, f32::MAX)?;
     }
     let row = |v: usize| {
         let mut row: Vec<(u32, i32)> = rows.of(v as u32).collect();

@@ -428,7 +428,7 @@ fn example(
     let contact_normal = Vec3::from_array(r.contact_normal);
     let contact_normal = (contact_normal != Vec3::ZERO).then_some(contact_normal);
     check::units(&of("the contact normal"), contact_normal.as_slice())?;
-    check::between(&of("the support radius"), r.support_radius, 0.0, f32::MAX)?;
+    check::between(of("the support radius"), r.support_radius, 0.0, f32::MAX)?;
     let blow = blow(i, r)?;
     let carried = placement != Placement::Anchored;
     if carried && lod.mesh.normals().is_none() {
