@@ -29,6 +29,8 @@ pub struct Stage {
     pub needs: &'static [Tool],
     /// Without these it runs, but leaves something out.
     pub wants: &'static [Tool],
+    /// Large folders of the target directory that no other stage reads.
+    pub leaves: &'static [&'static str],
     pub run: fn(&Workspace) -> Result<Outcome>,
 }
 
@@ -41,6 +43,8 @@ pub struct Rules {
     /// After all stages, each that failed runs once more. The table says which passed then: a stage that does not fail each time
     /// is a bug.
     pub retry: bool,
+    /// The folders that a stage leaves are removed once it has passed.
+    pub tidy: bool,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -70,7 +74,16 @@ pub fn run_all(workspace: &Workspace, stages: &[&Stage], rules: Rules) -> Result
         .copied()
         .collect();
     let missing = tools::provide(workspace, &wanted)?;
-    let rows = run_each(stages, rules, |stage| run_one(workspace, stage, &missing));
+    let rows = run_each(stages, rules, |stage| {
+        let outcome = run_one(workspace, stage, &missing)?;
+        if rules.tidy {
+            for folder in stage.leaves {
+                // What cannot be removed only costs disk.
+                let _ = workspace.shell.remove_path(workspace.target.join(folder));
+            }
+        }
+        Ok(outcome)
+    });
     print!("\n{}", table(&rows, workspace.all));
     let failed: Vec<&str> = rows.iter().filter(|row| row.verdict == Verdict::Failed).map(|row| row.name).collect();
     ensure!(failed.is_empty(), "failed: {}", failed.join(", "));
@@ -199,7 +212,7 @@ mod tests {
     use super::*;
 
     const fn stage(name: &'static str) -> Stage {
-        Stage { name, shows: "", needs: &[], wants: &[], run: |_| Ok(Outcome::Passed) }
+        Stage { name, shows: "", needs: &[], wants: &[], leaves: &[], run: |_| Ok(Outcome::Passed) }
     }
 
     const STAGES: &[&Stage] = &[

@@ -41,6 +41,7 @@ const STAGES: &[Stage] = &[
         shows: "the C library installs into target/prefix and exports what the header declares",
         needs: &[Tool::CCompiler],
         wants: &[],
+        leaves: &[],
         run: native::install_release,
     },
     Stage {
@@ -48,6 +49,7 @@ const STAGES: &[Stage] = &[
         shows: "a CMake project that fetches the source builds it by Cargo, and installs what the installer does",
         needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake],
         wants: &[],
+        leaves: &["cmake"],
         run: source::cmake,
     },
     Stage {
@@ -55,6 +57,7 @@ const STAGES: &[Stage] = &[
         shows: "Conan makes a package from the source, and a program finds it",
         needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake, Tool::Python3],
         wants: &[],
+        leaves: &["conan", "conan-venv"],
         run: source::conan,
     },
     Stage {
@@ -62,6 +65,7 @@ const STAGES: &[Stage] = &[
         shows: "the crate builds from the files that crates.io gets",
         needs: &[],
         wants: &[],
+        leaves: &[],
         run: source::crates_io,
     },
     Stage {
@@ -69,6 +73,7 @@ const STAGES: &[Stage] = &[
         shows: "the unpacked archive matches its manifest, and its examples run by CMake and pkg-config, shared and static",
         needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake, Tool::PkgConfig],
         wants: &[Tool::Ode, Tool::Bullet, Tool::VulkanHeaders, Tool::Png],
+        leaves: &[],
         run: package::stage,
     },
     Stage {
@@ -76,6 +81,7 @@ const STAGES: &[Stage] = &[
         shows: "Jolt's contacts dent a hood, and every truth's hits thrown in rapier and Bullet leave what their blows leave",
         needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake, Tool::Bullet],
         wants: &[],
+        leaves: &["jolt", "ctest/jolt"],
         run: engines::stage,
     },
     Stage {
@@ -83,6 +89,7 @@ const STAGES: &[Stage] = &[
         shows: "programs built against the last release fit the header of today",
         needs: &[Tool::CCompiler, Tool::Abigail],
         wants: &[],
+        leaves: &[],
         run: abi::stage,
     },
     Stage {
@@ -90,6 +97,7 @@ const STAGES: &[Stage] = &[
         shows: "the C# layer works under Mono and rejects libraries that do not fit",
         needs: &[Tool::CCompiler, Tool::Mono],
         wants: &[Tool::Vulkan, Tool::VulkanHeaders],
+        leaves: &[],
         run: csharp::run,
     },
     Stage {
@@ -97,6 +105,7 @@ const STAGES: &[Stage] = &[
         shows: "the Python package works as a wheel in an environment of its own, and makes examples for bare meshes",
         needs: &[Tool::CCompiler, Tool::Python311],
         wants: &[],
+        leaves: &[],
         run: python::stage,
     },
     Stage {
@@ -104,6 +113,7 @@ const STAGES: &[Stage] = &[
         shows: "the C and C++ tests pass under gcc's address and undefined behaviour sanitizers",
         needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake],
         wants: &[Tool::Ode, Tool::Bullet, Tool::Vulkan, Tool::VulkanHeaders, Tool::Png],
+        leaves: &["ctest/sanitizers"],
         run: native::sanitizers,
     },
     Stage {
@@ -111,6 +121,7 @@ const STAGES: &[Stage] = &[
         shows: "valgrind finds no error and no leak in the C and C++ tests",
         needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake, Tool::Valgrind],
         wants: &[Tool::Ode, Tool::Bullet, Tool::Vulkan, Tool::VulkanHeaders, Tool::Png],
+        leaves: &[],
         run: valgrind::c,
     },
     Stage {
@@ -118,6 +129,7 @@ const STAGES: &[Stage] = &[
         shows: "valgrind finds no error and no leak in the Rust tests",
         needs: &[Tool::Valgrind],
         wants: &[],
+        leaves: &[],
         run: valgrind::rust,
     },
     Stage {
@@ -125,6 +137,7 @@ const STAGES: &[Stage] = &[
         shows: "ten seconds of fuzzing find nothing at any door",
         needs: &[Tool::CppCompiler],
         wants: &[],
+        leaves: &["fuzz"],
         run: fuzz::stage,
     },
     Stage {
@@ -132,6 +145,7 @@ const STAGES: &[Stage] = &[
         shows: "ThreadSanitizer finds no data race where threads share a context",
         needs: &[Tool::CCompiler],
         wants: &[],
+        leaves: &["sanitizers"],
         run: nightly::threads,
     },
     Stage {
@@ -139,6 +153,7 @@ const STAGES: &[Stage] = &[
         shows: "the library, the command and the archive for Windows work under Wine, and write the same bytes as here",
         needs: tools::WINDOWS_TOOLS,
         wants: &[],
+        leaves: &["x86_64-pc-windows-gnu", "wine"],
         run: platforms::windows,
     },
     Stage {
@@ -146,6 +161,7 @@ const STAGES: &[Stage] = &[
         shows: "the library and the command for 64-bit ARM work under qemu, and write the same bytes as here",
         needs: platforms::AARCH64_TOOLS,
         wants: &[],
+        leaves: &["aarch64-unknown-linux-gnu"],
         run: platforms::aarch64,
     },
     Stage {
@@ -153,14 +169,23 @@ const STAGES: &[Stage] = &[
         shows: "the library and the command for 32-bit x86 work, and write the same bytes as here",
         needs: platforms::I686_TOOLS,
         wants: &[],
+        leaves: &["i686-unknown-linux-gnu"],
         run: platforms::i686,
     },
-    Stage { name: "demo", shows: "`cargo xtask demo` crashes the car", needs: &[], wants: &[], run: demo::check },
+    Stage {
+        name: "demo",
+        shows: "`cargo xtask demo` crashes the car",
+        needs: &[],
+        wants: &[],
+        leaves: &[],
+        run: demo::check,
+    },
     Stage {
         name: "car",
         shows: "the car's script makes a car: parts, sizes, closed inner solids, normals, symmetry, valid glTF",
         needs: &[Tool::Python3],
         wants: &[Tool::Npm],
+        leaves: &[],
         run: car::stage,
     },
     Stage {
@@ -168,6 +193,7 @@ const STAGES: &[Stage] = &[
         shows: "Blender opens what the command exports",
         needs: &[Tool::Python311, Tool::BlenderLibraries],
         wants: &[],
+        leaves: &[],
         run: peers::opens_exports,
     },
     Stage {
@@ -175,6 +201,7 @@ const STAGES: &[Stage] = &[
         shows: "the packed Blender extension works in two Blenders without a window and in one with a window",
         needs: &[Tool::CCompiler, Tool::Python311, Tool::BlenderLibraries],
         wants: &[Tool::Xvfb],
+        leaves: &["blender-bpy50", "blender-window"],
         run: blender::stage,
     },
     Stage {
@@ -182,6 +209,7 @@ const STAGES: &[Stage] = &[
         shows: "the Khronos validator finds nothing wrong with what the command exports",
         needs: &[Tool::Npm],
         wants: &[],
+        leaves: &[],
         run: peers::gltf_validator,
     },
     Stage {
@@ -189,6 +217,7 @@ const STAGES: &[Stage] = &[
         shows: "the Vulkan tests pass on lavapipe under validation; with --all also on SwiftShader, and those of wgpu",
         needs: &[Tool::Vulkan],
         wants: &[],
+        leaves: &[],
         run: vulkan::run,
     },
     Stage {
@@ -196,6 +225,7 @@ const STAGES: &[Stage] = &[
         shows: "the extension dents meshes in Godot itself: its classes, both physics engines, the editor's import, a picture",
         needs: &[Tool::CCompiler, Tool::Xvfb],
         wants: &[],
+        leaves: &["godot"],
         run: godot::run,
     },
     Stage {
@@ -203,6 +233,7 @@ const STAGES: &[Stage] = &[
         shows: "what Blender, three.js, assimp, trimesh and Godot write is read, and everything that no dent reached is kept",
         needs: &[Tool::Python311, Tool::BlenderLibraries, Tool::Npm, Tool::Assimp],
         wants: &[],
+        leaves: &[],
         run: exporters::stage,
     },
     Stage {
@@ -210,6 +241,7 @@ const STAGES: &[Stage] = &[
         shows: "the WebAssembly module gives the same bits under Node, and its page dents a hood in Chromium",
         needs: &[Tool::WebRust, Tool::Llvm, Tool::Npm, Tool::Chromium],
         wants: &[],
+        leaves: &[],
         run: web::stage,
     },
     Stage {
@@ -217,6 +249,7 @@ const STAGES: &[Stage] = &[
         shows: "the Rust tests and documentation examples pass; with --all also those of wgpu, the lab and xtask",
         needs: &[],
         wants: &[],
+        leaves: &[],
         run: rust,
     },
     Stage {
@@ -224,6 +257,7 @@ const STAGES: &[Stage] = &[
         shows: "the C and C++ tests pass with the installed library; with --all also the engines' plugins",
         needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake],
         wants: &[Tool::Ode, Tool::Bullet, Tool::Vulkan, Tool::VulkanHeaders, Tool::Png, Tool::Mono],
+        leaves: &[],
         run: native::ctest,
     },
 ];
@@ -248,13 +282,13 @@ pub fn run(workspace: &mut Workspace, options: &Options) -> Result<()> {
     workspace.all = options.all || !stages.iter().all(everybodys);
     let in_ci = std::env::var("CI").is_ok_and(|value| value == "true" || value == "1");
     let require_all = options.require_all || in_ci;
-    stage::run_all(workspace, &stages, Rules { require_all, fail_fast: options.fail_fast, retry: in_ci })
+    stage::run_all(workspace, &stages, Rules { require_all, fail_fast: options.fail_fast, retry: in_ci, tidy: false })
 }
 
 /// `cargo xtask ci`: runs every check and every test. A missing program fails its stage.
 pub fn ci(workspace: &Workspace, fail_fast: bool) -> Result<()> {
     let stages: Vec<&Stage> = CHECKS.iter().chain(STAGES).collect();
-    stage::run_all(workspace, &stages, Rules { require_all: true, fail_fast, retry: true })
+    stage::run_all(workspace, &stages, Rules { require_all: true, fail_fast, retry: true, tidy: true })
 }
 
 fn rust(workspace: &Workspace) -> Result<Outcome> {
