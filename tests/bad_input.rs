@@ -694,19 +694,19 @@ fn quick_every_flipped_bit_of_saved_damage() {
             refused!(map_damage(&set, &set, &flipped(&one, bit), INF), DamageMismatch, "");
         }
         for bit in 0..all.len() * 8 {
-            refused!(load_all(&mut [&mut fresh], &flipped(&all, bit)), DamageMismatch, "");
+            refused!(load_all(&mut [&mut fresh], &flipped(&all, bit), &Serial), DamageMismatch, "");
             // also where it is none of the damage to map
             refused!(map_damage(&other, &other, &flipped(&all, bit), INF), DamageMismatch, "");
         }
         assert!(fresh.save() == clean);
         fresh.load(&version_1(one.clone())).unwrap();
         assert!(fresh.save() == one, "damage of version 1");
-        load_all(&mut [&mut fresh], &all).unwrap();
+        load_all(&mut [&mut fresh], &all, &Serial).unwrap();
         let mut old_all = version_1(all);
         let size = (one.len() as u64 - 8).to_le_bytes();
         old_all.truncate(16);
         old_all.extend(size.into_iter().chain(version_1(one.clone())));
-        load_all(&mut [&mut fresh], &old_all).unwrap();
+        load_all(&mut [&mut fresh], &old_all, &Serial).unwrap();
         assert!(fresh.save() == one, "damage of several bodies, version 1");
     }
 }

@@ -3,7 +3,9 @@
 
 mod scenes;
 
-use crumple::{Error, Instance, InstanceOptions, Mapping, Rule, load_all, map_damage, save_all};
+use crumple::{
+    Error, Instance, InstanceOptions, Mapping, Rule, Serial, ThreadPool, fold_all, load_all, map_damage, save_all,
+};
 use proptest::prelude::*;
 use scenes::{Body, Dice, Output, new, push, random_hit};
 
@@ -59,8 +61,8 @@ proptest! {
         }
     }
 
-    /// Instances of several sets and both kinds of rules come back from one piece of bytes; any other bytes are refused
-    /// and change none of them.
+    /// Instances of several sets and both kinds of rules, folded and loaded on two threads, come back from one piece of bytes; any
+    /// other bytes are refused and change none of them.
     #[test]
     fn many_instances_are_one_piece_of_bytes(seed: u64, cut: prop::sample::Index, flip: u8) {
         let mut dice = Dice::new(seed);
@@ -73,23 +75,30 @@ proptest! {
             Instance::new(bodies()[i % 3].1.clone(), options).unwrap()
         };
         let mut from: Vec<Instance> = (0..6).map(make).collect();
-        for instance in &from {
+        let mut alone: Vec<Instance> = (0..6).map(make).collect();
+        for (instance, alone) in from.iter().zip(&mut alone) {
             for _ in 0..dice.index(5) {
-                instance.submit(&random_hit(instance.example_set(), &mut dice)).unwrap();
+                let hit = random_hit(instance.example_set(), &mut dice);
+                instance.submit(&hit).unwrap();
+                alone.submit(&hit).unwrap();
             }
+            alone.fold();
         }
+        let threads = ThreadPool::new(2).unwrap();
+        fold_all(&mut from, &threads);
         let bytes = save_all(&mut from);
+        prop_assert!(bytes == save_all(&mut alone));
         let mut to: Vec<Instance> = (0..6).map(make).collect();
-        load_all(&mut to.iter_mut().collect::<Vec<_>>(), &bytes).unwrap();
+        load_all(&mut to.iter_mut().collect::<Vec<_>>(), &bytes, &threads).unwrap();
         for (a, b) in from.iter_mut().zip(&mut to) {
             prop_assert_eq!(a.save(), b.save());
         }
         let mut new: Vec<Instance> = (0..6).map(make).collect();
         let at = cut.index(bytes.len());
-        prop_assert!(load_all(&mut new.iter_mut().collect::<Vec<_>>(), &bytes[..at]).is_err());
+        prop_assert!(load_all(&mut new.iter_mut().collect::<Vec<_>>(), &bytes[..at], &Serial).is_err());
         let mut damaged = bytes.clone();
         damaged[at] ^= flip.max(1);
-        if load_all(&mut new.iter_mut().collect::<Vec<_>>(), &damaged).is_err() {
+        if load_all(&mut new.iter_mut().collect::<Vec<_>>(), &damaged, &Serial).is_err() {
             prop_assert!(new.iter_mut().all(|i| i.save() == Instance::new(i.example_set().clone(), *i.options()).unwrap().save()));
         }
     }
@@ -170,7 +179,7 @@ fn quick_damage_of_a_changed_set_is_mapped() {
     let (bytes, mapping) = map_damage(&old, &dense, &all, 0.0).unwrap();
     assert_eq!(mapping.kept, count);
     let mut dense_body = new(&dense);
-    load_all(&mut [&mut dense_body, &mut other], &bytes).unwrap();
+    load_all(&mut [&mut dense_body, &mut other], &bytes, &Serial).unwrap();
     assert_eq!(dense_body.marks().unwrap().len(), count);
 
     // What does not fit is refused by name.

@@ -12,13 +12,16 @@ pub(crate) fn in_steps(u: Vec3, step: f32) -> [i16; 3] {
     (u / step).to_array().map(|x| nearest_whole(x.clamp(-MOST, MOST).into()) as i16)
 }
 
-/// Displacements of some nodes, 10 bytes each.
+/// Nodes in a group.
+pub(crate) const GROUP: usize = 32;
+
+/// Displacements of nodes, 6 bytes each, for groups of [`GROUP`] successive nodes with one that moves.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct NodeField {
     /// Ascending.
-    nodes: Box<[u32]>,
-    /// In units of `step`.
-    moves: Box<[[i16; 3]]>,
+    groups: Box<[u32]>,
+    /// Those of each group in units of `step`: along x, y and z.
+    moves: Box<[[[i16; GROUP]; 3]]>,
     /// m.
     step: f32,
 }
@@ -28,19 +31,53 @@ impl NodeField {
     pub(crate) fn new(moved: &[(u32, Vec3)]) -> Self {
         let longest = moved.iter().fold(0.0f32, |m, (_, u)| m.max(u.abs().max_element()));
         let step = (longest / MOST).max(f32::MIN_POSITIVE);
-        let rounded = moved.iter().map(|(n, u)| (*n, in_steps(*u, step))).filter(|(_, u)| *u != [0; 3]);
-        let (nodes, moves): (Vec<u32>, Vec<[i16; 3]>) = rounded.unzip();
-        NodeField { nodes: nodes.into(), moves: moves.into(), step }
+        let chunks = || moved.chunk_by(|a, b| group_of(a.0) == group_of(b.0));
+        let count = chunks().count();
+        let (mut groups, mut moves) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        for own in chunks() {
+            let mut group = [[0; GROUP]; 3];
+            for (n, u) in own {
+                let at = *n as usize % GROUP;
+                group.iter_mut().zip(in_steps(*u, step)).for_each(|(along, x)| along[at] = x);
+            }
+            groups.extend(own.first().map(|(n, _)| group_of(*n)));
+            moves.push(group);
+        }
+        NodeField { groups: groups.into(), moves: moves.into(), step }
     }
 
     /// The nodes that it moves and their displacements, m.
+    #[cfg(test)]
     pub(crate) fn moved(&self) -> impl Iterator<Item = (u32, Vec3)> {
-        self.nodes.iter().copied().zip(self.moves.iter().map(|u| self.metres(*u)))
+        let nodes = self.groups().flat_map(|(group, moves)| {
+            let first = GROUP as u32 * group;
+            (0..GROUP).map(move |i| (first + i as u32, [0, 1, 2].map(|k| moves[k][i])))
+        });
+        nodes.filter(|(_, u)| *u != [0; 3]).map(|(n, u)| (n, self.metres(u)))
     }
 
-    /// Displacement of a node, m.
-    fn at_node(&self, node: u32) -> Vec3 {
-        self.nodes.binary_search(&node).map_or(Vec3::ZERO, |at| self.metres(self.moves[at]))
+    /// The nodes that it moves by at least this share of the longest displacement.
+    pub(crate) fn moved_most(&self, share: f32) -> impl Iterator<Item = u32> {
+        let squares = |moves: &[[i16; GROUP]; 3]| -> [f32; GROUP] {
+            let square = |x: i16| f32::from(x) * f32::from(x);
+            std::array::from_fn(|i| square(moves[0][i]) + square(moves[1][i]) + square(moves[2][i]))
+        };
+        let longest = self.moves.iter().flat_map(squares).fold(0.0, f32::max);
+        let least = (share * share * longest).max(f32::MIN_POSITIVE);
+        self.groups().flat_map(move |(group, moves)| {
+            let own = (GROUP as u32 * group..).zip(squares(moves));
+            own.filter(move |(_, square)| *square >= least).map(|(node, _)| node)
+        })
+    }
+
+    /// The groups with nodes that it moves, and the displacements of all their nodes in units of [`NodeField::step`], along x, y and z.
+    pub(crate) fn groups(&self) -> impl Iterator<Item = (u32, &[[i16; GROUP]; 3])> {
+        self.groups.iter().copied().zip(&self.moves)
+    }
+
+    /// m.
+    pub(crate) fn step(&self) -> f32 {
+        self.step
     }
 
     fn metres(&self, steps: [i16; 3]) -> Vec3 {
@@ -49,13 +86,27 @@ impl NodeField {
 
     /// Displacement of a vertex that follows the nodes by these rows, m.
     pub(crate) fn at_vertex(&self, rows: &Rows, v: u32) -> Vec3 {
-        rows.of(v).fold(Vec3::ZERO, |sum, (node, w)| sum + self.at_node(node) * (w as f32 / ONE as f32))
+        // Most nodes of a vertex lie in the group of the one before.
+        let (mut group, mut moves) = (u32::MAX, None);
+        rows.of(v).fold(Vec3::ZERO, |sum, (node, w)| {
+            if group_of(node) != group {
+                group = group_of(node);
+                moves = self.groups.binary_search(&group).ok().map(|at| &self.moves[at]);
+            }
+            let Some(moves) = moves else { return sum };
+            let u = [0, 1, 2].map(|k| moves[k][node as usize % GROUP]);
+            sum + self.metres(u) * (w as f32 / ONE as f32)
+        })
     }
 
     /// Memory used, bytes.
     pub(crate) fn bytes(&self) -> usize {
-        size_of::<Self>() + self.nodes.len() * (size_of::<u32>() + size_of::<[i16; 3]>())
+        size_of::<Self>() + size_of_val(&*self.groups) + size_of_val(&*self.moves)
     }
+}
+
+fn group_of(node: u32) -> u32 {
+    node / GROUP as u32
 }
 
 #[cfg(test)]

@@ -5,10 +5,13 @@ use super::check::{Out, array, finite, write_array};
 use super::context::{CrumpleContext, exclusive};
 use super::result::{CrumpleResult, Failure};
 use super::store::State;
+use super::tasks::Quiet;
 use super::types::{CrumpleInstance, CrumpleVec3};
 use crate::base::error::reserve;
+use crate::base::tasks::map;
 use crate::damage::mark::Mark;
 use crate::instance::archive::{of, pack, unpack};
+use std::collections::BTreeMap;
 use std::ffi::c_void;
 
 /// Copies an instance's marks, sorted, so that the order of hits does not matter. CRUMPLE_ERROR_WRONG_RULE: classic
@@ -116,18 +119,18 @@ pub unsafe extern "C" fn crumple_context_load_damage(
     data: *const c_void,
     size: usize,
 ) -> CrumpleResult {
-    exclusive("crumple_context_load_damage", context, |_, state| {
+    exclusive("crumple_context_load_damage", context, |context, state| {
         let bytes = array(data.cast::<u8>(), size, "data")?;
         let ids = listed(state, instances, count)?;
-        let mut read = reserve(ids.len(), "the instances")?;
+        let mut read = BTreeMap::new();
         for (i, (id, bytes)) in ids.iter().zip(unpack(bytes, ids.len())?).enumerate() {
             let instance = &state.instances.get(*id, &format!("instances[{i}]"))?.instance;
-            read.push(instance.read(bytes).map_err(|error| of(i, error))?);
+            read.insert(id.index, instance.read(bytes).map_err(|error| of(i, error))?);
         }
         granted()?;
-        for (id, saved) in ids.into_iter().zip(read) {
-            state.instances.get_mut(id, "instances")?.instance.become_saved(saved);
-        }
+        let instances = state.instances.iter_mut::<CrumpleInstance>();
+        let changes = instances.filter_map(|(id, entry)| Some((&mut entry.instance, read.remove(&id.index)?)));
+        map(&Quiet(context.tasks()), changes, |(instance, saved)| instance.become_saved(saved));
         Ok(())
     })
 }

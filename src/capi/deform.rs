@@ -13,7 +13,8 @@ use super::types::{CrumpleAabb, CrumpleBuffer, CrumpleInstance, CrumpleRange};
 use crate::base::error::reserve;
 use crate::base::math::Aabb;
 use crate::base::memory::may_fail;
-use crate::instance::deform::{DeformJob, deform_within};
+use crate::base::tasks::TaskSystem;
+use crate::instance::deform::{DeformJob, deform_within, fold_all};
 use std::ops::Range;
 
 /// The work done by a deform. A block is a run of up to 128 consecutive vertices.
@@ -54,7 +55,7 @@ pub unsafe extern "C" fn crumple_context_deform(
         if cfg!(debug_assertions) {
             apart(entries.iter::<CrumpleBuffer>().filter(of_host))?;
         }
-        chosen.fold(instances, entries.iter::<CrumpleBuffer>().filter(of_host))?;
+        chosen.fold(instances, entries.iter::<CrumpleBuffer>().filter(of_host), context.tasks())?;
         let mut jobs = recycled(std::mem::take(kept));
         may_fail(|| jobs.try_reserve(chosen.most(entries.len())))
             .map_err(|_| Failure::out_of_memory("the list of jobs"))?;
@@ -120,9 +121,10 @@ impl<'a> Chosen<'a> {
         &self,
         instances: &mut Slots<InstanceEntry>,
         named: impl Iterator<Item = (CrumpleBuffer, &'b BufferEntry)>,
+        tasks: &dyn TaskSystem,
     ) -> Result<(), Failure> {
         if self.all {
-            instances.iter_mut::<CrumpleInstance>().for_each(|(_, entry)| entry.instance.fold());
+            fold_all(instances.iter_mut::<CrumpleInstance>().map(|(_, entry)| &mut entry.instance), &Quiet(tasks));
             return Ok(());
         }
         for (_, entry) in named {

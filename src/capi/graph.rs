@@ -81,14 +81,14 @@ pub unsafe extern "C" fn crumple_graph_plan(
     out_report: *mut CrumpleRecordReport,
 ) -> CrumpleResult {
     vulkan!("crumple_graph_plan", {
-        exclusive("crumple_graph_plan", context, |_, state| {
+        exclusive("crumple_graph_plan", context, |context, state| {
             let outs = (Out::new(out_plan, "out_plan")?, Out::optional(out_report, "out_report")?);
             let given = array(buffers, count as usize, "buffers")?;
             let budget = state.vertex_budget();
             let State { instances, buffers: entries, graph, .. } = state;
             let GraphState { graph, lists, uploads, dispatches } = graph;
             graph.set_vertex_budget(budget);
-            with_jobs((instances, entries), lists, (buffers, given), |jobs| {
+            with_jobs(context.tasks(), (instances, entries), lists, (buffers, given), |jobs| {
                 let (report, passes) = graph.plan(jobs)?;
                 uploads.clear();
                 uploads.extend(passes.uploads.iter().map(|upload| CrumpleGraphUpload {

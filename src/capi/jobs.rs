@@ -8,6 +8,7 @@ use super::store::{BufferEntry, InstanceEntry, Memory};
 use super::types::CrumpleBuffer;
 use super::vulkan_types::CrumpleRecordReport;
 use crate::base::memory::may_fail;
+use crate::base::tasks::TaskSystem;
 use crate::gpu::{FrameReport, Job};
 use crate::{graph, vulkan};
 
@@ -40,6 +41,7 @@ impl DeviceTarget for graph::Target {
 
 /// Folds the hits of the chosen buffers' instances, and calls `f` with a job for each buffer.
 pub(super) fn with_jobs<T: DeviceTarget, R>(
+    tasks: &dyn TaskSystem,
     (instances, entries): (&mut Slots<InstanceEntry>, &mut Slots<BufferEntry>),
     lists: &mut JobLists<T>,
     (pointer, given): (*const CrumpleBuffer, &[CrumpleBuffer]),
@@ -51,7 +53,7 @@ pub(super) fn with_jobs<T: DeviceTarget, R>(
         if T::is_of(memory) { Ok(()) } else { Err(memory.written_elsewhere(name)) }
     })?;
     let written = |(id, entry): &(CrumpleBuffer, &BufferEntry)| T::is_of(&entry.memory) && chosen.names(*id);
-    chosen.fold(instances, entries.iter::<CrumpleBuffer>().filter(written))?;
+    chosen.fold(instances, entries.iter::<CrumpleBuffer>().filter(written), tasks)?;
     let mut jobs = recycled(std::mem::take(&mut lists.jobs));
     may_fail(|| jobs.try_reserve(most)).map_err(|_| Failure::out_of_memory("the list of jobs"))?;
     for (id, entry) in entries.iter_mut::<CrumpleBuffer>() {

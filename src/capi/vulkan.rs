@@ -18,6 +18,7 @@ use super::vulkan_types::{
     CrumpleVulkanOpenDef,
 };
 #[cfg(feature = "vulkan")]
+use crate::base::tasks::TaskSystem;
 use crate::vulkan::{RecordJob, SemaphoreId, vk, vk::Handle};
 use std::ffi::c_void;
 use std::mem::MaybeUninit;
@@ -164,12 +165,12 @@ pub unsafe extern "C" fn crumple_vulkan_record(
     out_report: *mut CrumpleRecordReport,
 ) -> CrumpleResult {
     vulkan!("crumple_vulkan_record", {
-        exclusive("crumple_vulkan_record", context, |_, state| {
+        exclusive("crumple_vulkan_record", context, |context, state| {
             let (out, given) = (Out::optional(out_report, "out_report")?, array(buffers, count as usize, "buffers")?);
             if command_buffer.is_null() {
                 return Err(Failure::null("command_buffer"));
             }
-            let report = with_device(state, (buffers, given), |device, jobs| {
+            let report = with_device(context.tasks(), state, (buffers, given), |device, jobs| {
                 let commands = vk::CommandBuffer::from_raw(command_buffer.addr() as u64);
                 Ok(device.hosts("crumple_vulkan_record()")?.record(commands, frame, jobs)?)
             })?;
@@ -308,7 +309,7 @@ pub unsafe extern "C" fn crumple_vulkan_submit(
     out_report: *mut CrumpleRecordReport,
 ) -> CrumpleResult {
     vulkan!("crumple_vulkan_submit", {
-        exclusive("crumple_vulkan_submit", context, |_, state| {
+        exclusive("crumple_vulkan_submit", context, |context, state| {
             let outs = (Out::optional(out_frame, "out_frame")?, Out::optional(out_report, "out_report")?);
             let (given, waits, signals) = (
                 array(buffers, count as usize, "buffers")?,
@@ -316,7 +317,7 @@ pub unsafe extern "C" fn crumple_vulkan_submit(
                 array(signals, signal_count as usize, "signals")?,
             );
             let ids = |all: &[u64]| all.iter().map(|id| SemaphoreId(*id)).collect::<Vec<_>>();
-            let (frame, report) = with_device(state, (buffers, given), |device, jobs| {
+            let (frame, report) = with_device(context.tasks(), state, (buffers, given), |device, jobs| {
                 Ok(device.own("crumple_vulkan_submit()")?.submit(jobs, &ids(waits), &ids(signals))?)
             })?;
             outs.0.write(frame);
@@ -348,6 +349,7 @@ pub unsafe extern "C" fn crumple_vulkan_wait_frame(
 /// Calls `f` with the device and a job for each of the chosen buffers.
 #[cfg(feature = "vulkan")]
 fn with_device<R>(
+    tasks: &dyn TaskSystem,
     state: &mut State,
     given: (*const CrumpleBuffer, &[CrumpleBuffer]),
     f: impl FnOnce(&mut Kind, &mut [RecordJob<'_>]) -> Result<R, Failure>,
@@ -356,7 +358,7 @@ fn with_device<R>(
     let State { instances, buffers: entries, vulkan, .. } = state;
     let Attached { device, lists, .. } = vulkan.as_mut().ok_or_else(not_attached)?;
     device.device().set_vertex_budget(budget);
-    with_jobs((instances, entries), lists, given, |jobs| f(device, jobs))
+    with_jobs(tasks, (instances, entries), lists, given, |jobs| f(device, jobs))
 }
 
 #[cfg(feature = "vulkan")]

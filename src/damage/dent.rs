@@ -157,9 +157,8 @@ impl Dent {
         }
         let nodes = &set.nodes().lod;
         // Dents overlap where they move a contact by a third of their depth. A tenth of it leaves room for vertices between nodes.
-        let longest = self.field.moved().map(|(_, u)| u.length_squared()).fold(0.0, f32::max);
-        let far = self.field.moved().filter(|(_, u)| u.length_squared() >= 0.01 * longest);
-        far.map(|(n, _)| nodes.mesh.positions()[n as usize].distance_squared(self.contact)).fold(0.0, f32::max)
+        let far = self.field.moved_most(0.1);
+        far.map(|n| nodes.mesh.positions()[n as usize].distance_squared(self.contact)).fold(0.0, f32::max)
     }
 
     /// Memory that the dent holds, bytes.
@@ -185,7 +184,7 @@ fn moved(set: &ExampleSet, examples: &[PlacedExample], wide: f32, mesh: &MeshLod
     let mut moved = Vec::new();
     for (block, bounds) in mesh.block_bounds.iter().enumerate() {
         let range = block_range(block, mesh.vertex_count());
-        let mut sums = [Vec3::ZERO; BLOCK];
+        let mut sums: Sums = [[0.0; BLOCK]; 3];
         let mut any = false;
         for (p, carried) in examples.iter().zip(&placed) {
             if let Some(carried) = carried {
@@ -196,12 +195,15 @@ fn moved(set: &ExampleSet, examples: &[PlacedExample], wide: f32, mesh: &MeshLod
             } else if let Some(head) = mesh.anchored[p.example].block(block as u32) {
                 any = true;
                 let stored = mesh.anchored[p.example].displacements(head);
-                sums.iter_mut().take(range.len()).enumerate().for_each(|(i, sum)| *sum += stored.at(i) * p.scale);
+                for i in 0..range.len() {
+                    let moved = (stored.at(i) * p.scale).to_array();
+                    sums.iter_mut().zip(moved).for_each(|(sum, u)| sum[i] += u);
+                }
             }
         }
         if any {
-            let own = (range.start as u32..).zip(&sums[..range.len()]);
-            moved.extend(own.filter(|(_, u)| **u != Vec3::ZERO).map(|(v, u)| (v, *u)));
+            let own = (0..range.len()).map(|i| ((range.start + i) as u32, Vec3::from([0, 1, 2].map(|k| sums[k][i]))));
+            moved.extend(own.filter(|(_, u)| *u != Vec3::ZERO));
         }
     }
     moved
@@ -243,27 +245,29 @@ impl<'a> Carried<'a> {
     }
 
     /// Adds the scaled displacements (m) of a block's points, of which rims let only shares move, to `sums`.
-    fn add(&self, points: &[Vec3], held: Option<&WindowBlock>, sums: &mut [Vec3; BLOCK]) {
+    fn add(&self, points: &[Vec3], held: Option<&WindowBlock>, sums: &mut Sums) {
+        let rows = [0, 1, 2].map(|k| (self.to_frame.row(k), self.back.row(k)));
         for (first, points) in (0..).step_by(4).zip(points.chunks(4)) {
             // Missing points are outside.
             let at = side_by_side(points, f32::INFINITY);
             let at: Four = std::array::from_fn(|k| at[k] - self.contact[k]);
             let near = (at[0] * at[0] + at[1] * at[1] + at[2] * at[2]).cmple(Vec4::splat(self.reach_square));
-            let near = near.bitmask();
-            if near == 0 {
+            if !near.any() {
                 continue;
             }
-            let [x, y, z] = [self.to_frame.row(0), self.to_frame.row(1), self.to_frame.row(2)];
-            let moved = self.reader.read([x, y, z].map(|row| dots(&at, row)));
-            for i in 0..points.len() {
-                if near & (1 << i) != 0 {
-                    let share = held.map_or(1.0, |held| held[first + i]);
-                    sums[first + i] += self.back * moved[i] * share;
-                }
+            let moved = self.reader.read(rows.map(|(row, _)| dots(&at, row)));
+            let share = held.map_or(Vec4::ONE, |held| Vec4::from_slice(&held[first..]));
+            for (sum, (_, row)) in sums.iter_mut().zip(rows) {
+                let sum = &mut sum[first..first + 4];
+                let more = Vec4::select(near, dots(&moved, row) * share, Vec4::ZERO);
+                (Vec4::from_slice(sum) + more).write_to_slice(sum);
             }
         }
     }
 }
+
+/// Displacements of a block's vertices along x, y and z, m.
+type Sums = [[f32; BLOCK]; 3];
 
 /// A stretch within its limits.
 pub(crate) fn limited(stretch: f32) -> f32 {

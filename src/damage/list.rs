@@ -37,8 +37,11 @@ impl Damage {
             return;
         }
         new.sort_unstable_by(|a, b| a.key().cmp(&b.key()).then(a.energy.cmp(&b.energy)));
-        let mut list =
-            Merging { set, marks: self.marks.clone(), strengths: self.dents.iter().map(|d| d.alone).collect() };
+        let most = self.marks.len() + new.len();
+        let (mut marks, mut strengths) = (Vec::with_capacity(most), Vec::with_capacity(most));
+        marks.extend_from_slice(&self.marks);
+        strengths.extend(self.dents.iter().map(|d| d.alone));
+        let mut list = Merging { set, marks, strengths };
         for mark in new {
             list.add(mark);
             if list.marks.len() > capacity {
@@ -155,6 +158,12 @@ struct Entry {
     after: u64,
 }
 
+impl Entry {
+    fn has_changed(&self) -> bool {
+        self.before != self.after
+    }
+}
+
 /// Calls `f` for every mark that is in either sorted list, in order, with its index in each.
 fn walk(a: &[Mark], b: &[Mark], mut f: impl FnMut(Option<usize>, Option<usize>)) {
     let (mut i, mut j) = (0, 0);
@@ -172,10 +181,15 @@ fn walk(a: &[Mark], b: &[Mark], mut f: impl FnMut(Option<usize>, Option<usize>))
 
 /// Updates what each dent knows of the marks near it. Takes two look-ups for each pair of a changed mark and another.
 fn update_nearby(set: &ExampleSet, entries: &mut [Entry]) {
-    let changed: Vec<bool> = entries.iter().map(|e| e.before != e.after).collect();
-    for i in (0..entries.len()).filter(|i| changed[*i]) {
-        // A pair of two changed marks comes once.
-        for j in (0..entries.len()).filter(|j| *j > i || !changed[*j]) {
+    for i in 0..entries.len() {
+        if !entries[i].has_changed() {
+            continue;
+        }
+        for j in 0..entries.len() {
+            // A pair of two changed marks comes once.
+            if j == i || j < i && entries[j].has_changed() {
+                continue;
+            }
             let overlap = overlap(set, &entries[i].dent, &entries[j].dent);
             if overlap > 0.0 {
                 let Ok([a, b]) = entries.get_disjoint_mut([i, j]) else { continue };

@@ -38,6 +38,9 @@ pub(crate) fn vertex(view: &DamageView<'_>, lod: &MeshLod, v: usize) -> (Vec3, O
     (at(&positions), some.then(|| at(&normals)))
 }
 
+/// Room for the pairs of nodes of a tile; some need more.
+const PAIRS: usize = 64;
+
 /// Memory reused between blocks.
 pub(crate) struct Scratch {
     /// The steps of a tile's nodes.
@@ -51,7 +54,7 @@ pub(crate) struct Scratch {
 impl Scratch {
     pub(crate) fn new() -> Self {
         let zero = [0.0; 3 * BLOCK];
-        Scratch { moves: Vec::new(), base: zero, base_normals: zero, positions: zero, normals: zero }
+        Scratch { moves: Vec::with_capacity(PAIRS), base: zero, base_normals: zero, positions: zero, normals: zero }
     }
 }
 

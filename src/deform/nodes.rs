@@ -4,12 +4,10 @@
 //! taken away again, and the sums have the same bits whatever happened before.
 
 use super::view::{NodeSteps, NodeView};
-use crate::base::math::nearest_whole;
 use crate::basis::FREE;
-use crate::basis::field::{NodeField, in_steps};
+use crate::basis::field::{GROUP, NodeField};
 use crate::damage::list::Damage;
 use crate::damage::mark::Mark;
-use glam::{IVec3, Vec3};
 use std::cmp::Ordering;
 use std::sync::Arc;
 
@@ -20,19 +18,19 @@ pub(crate) struct NodeState {
     count: usize,
     /// What the sums hold, sorted by mark.
     shown: Vec<Shown>,
-    /// In units.
-    sums: Vec<IVec3>,
+    /// In units, of each group of [`GROUP`] nodes: along x, y and z.
+    sums: Vec<[[i32; GROUP]; 3]>,
     /// Of sums, m; a power of two.
     unit: f32,
     steps: Vec<NodeSteps>,
     /// m; a power of two.
     step: f32,
     /// The most that a dent contributes along an axis, in units, so that sums do not overflow.
-    longest: f64,
+    longest: f32,
     /// The depth limit of the last update, and the largest of any, m.
     limit: f32,
     most: f32,
-    /// Whether an update changes the sum of each node.
+    /// Whether an update changes the sums of each group.
     is_touched: Vec<bool>,
 }
 
@@ -56,7 +54,7 @@ impl NodeState {
             step: 0.0,
             limit: 0.0,
             most: MOST_LIMITS * own_limit,
-            longest: f64::from(i32::MAX / dents.max(1) as i32),
+            longest: (i32::MAX / dents.max(1) as i32).min(MOST_UNITS) as f32,
             is_touched: Vec::new(),
         }
     }
@@ -72,9 +70,10 @@ impl NodeState {
             if damage.dents().is_empty() {
                 return;
             }
-            self.sums.resize(self.count, IVec3::ZERO);
+            let groups = self.count.div_ceil(GROUP);
+            self.sums.resize(groups, [[0; GROUP]; 3]);
             self.steps.resize(self.count, [0; 4]);
-            self.is_touched.resize(self.count, false);
+            self.is_touched.resize(groups, false);
         }
         let everything = self.limit != limit;
         if everything {
@@ -87,62 +86,100 @@ impl NodeState {
         self.shown.reserve(dents.len());
         for (mark, dent) in dents {
             while let Some(gone) = old.next_if(|o| o.mark.key().cmp(&mark.key()) == Ordering::Less) {
-                self.add(&gone.field, gone.factor, -1);
+                self.add(&gone.field, [gone.factor, 0.0]);
             }
             let (field, factor) = dent.field();
-            match old.next_if(|o| o.mark.key() == mark.key()) {
-                Some(same) if same.factor == factor && Arc::ptr_eq(&same.field, field) => {}
-                other => {
-                    if let Some(other) = other {
-                        self.add(&other.field, other.factor, -1);
-                    }
-                    self.add(field, factor, 1);
+            let mut from = 0.0;
+            if let Some(same) = old.next_if(|o| o.mark.key() == mark.key()) {
+                if Arc::ptr_eq(&same.field, field) {
+                    from = same.factor;
+                } else {
+                    self.add(&same.field, [same.factor, 0.0]);
                 }
+            }
+            if from != factor {
+                self.add(field, [from, factor]);
             }
             self.shown.push(Shown { mark: *mark, field: field.clone(), factor });
         }
         for gone in old {
-            self.add(&gone.field, gone.factor, -1);
+            self.add(&gone.field, [gone.factor, 0.0]);
         }
         let (limit, step, unit) = (self.limit, self.step, self.unit);
-        let nodes = self.is_touched.iter_mut().zip(&self.sums).zip(&mut self.steps);
-        for (node, ((is_touched, sum), steps)) in (0..).zip(nodes).filter(|(_, ((is_touched, _), _))| **is_touched) {
+        let groups = self.is_touched.iter_mut().zip(&self.sums).zip(self.steps.chunks_mut(GROUP));
+        let groups = (0..).step_by(GROUP).zip(groups).filter(|(_, ((is_touched, _), _))| **is_touched);
+        for (first, ((is_touched, sums), steps)) in groups {
             *is_touched = false;
-            let moved = sum.as_vec3() * unit;
-            let before = std::mem::replace(steps, with_length(in_steps(soft(moved, limit), step)));
-            if before != *steps || everything && before != [0; 4] {
-                changed(node);
+            let now = in_steps_of(sums, unit, limit, step);
+            for (node, (steps, now)) in (first..).zip(steps.iter_mut().zip(now)) {
+                let before = std::mem::replace(steps, now);
+                if before != now || everything && before != [0; 4] {
+                    changed(node);
+                }
             }
         }
     }
 
-    /// Adds what a dent moves to the sums, or takes it away.
-    fn add(&mut self, field: &NodeField, factor: f32, sign: i32) {
+    /// Changes what a dent adds to the sums from a factor of its field to another.
+    fn add(&mut self, field: &NodeField, factors: [f32; 2]) {
+        let per_step = factors.map(|factor| factor * (field.step() / self.unit));
+        let longest = self.longest;
         // The same numbers whenever the same dent comes or goes.
-        let (per_unit, longest) = (f64::from(factor) / f64::from(self.unit), self.longest);
-        for (node, u) in field.moved() {
-            let units = (u.as_dvec3() * per_unit).to_array().map(|x| nearest_whole(x.clamp(-longest, longest)));
-            let at = node as usize;
-            self.sums[at] += IVec3::from_array(units) * sign;
-            self.is_touched[at] = true;
+        let units = |x: i16, per_step: f32| small_whole((f32::from(x) * per_step).clamp(-longest, longest));
+        for (group, moves) in field.groups() {
+            let group = group as usize;
+            for (sums, moves) in self.sums[group].iter_mut().zip(moves) {
+                for (sum, x) in sums.iter_mut().zip(moves) {
+                    *sum += units(*x, per_step[1]) - units(*x, per_step[0]);
+                }
+            }
+            self.is_touched[group] = true;
         }
     }
 
     /// Memory used, bytes. Fields are those of the damage.
     pub(crate) fn memory_bytes(&self) -> usize {
         self.shown.capacity() * size_of::<Shown>()
-            + self.sums.capacity() * size_of::<IVec3>()
+            + self.sums.capacity() * size_of::<[[i32; GROUP]; 3]>()
             + self.steps.capacity() * size_of::<NodeSteps>()
             + self.is_touched.capacity()
     }
 }
 
-/// The steps of a node with their length.
-fn with_length([x, y, z]: [i16; 3]) -> NodeSteps {
-    let length = Vec3::from([x, y, z].map(f32::from)).length();
-    let below = length as u16;
-    [x, y, z, (below + u16::from(f32::from(below) < length)) as i16]
+/// The largest number of units that [`small_whole`] rounds.
+const MOST_UNITS: i32 = 1 << 22;
+
+/// The nearest whole number, the even one of two that are as near, of one up to [`MOST_UNITS`]: added to this constant, it is in the
+/// lowest bits.
+fn small_whole(x: f32) -> i32 {
+    const MAGIC: f32 = 12_582_912.0; // 1.5 * 2^23
+    (x + MAGIC).to_bits() as i32 - MAGIC.to_bits() as i32
 }
+
+/// The displacements of a group's nodes, which approach the depth limit instead of being cut to it, so that many dents leave no
+/// plateau: up to [`FREE`] of the limit they are the sums, beyond it they grow ever more slowly. Only IEEE operations.
+fn in_steps_of(sums: &[[i32; GROUP]; 3], unit: f32, limit: f32, step: f32) -> [NodeSteps; GROUP] {
+    let (free, rest) = (FREE * limit, limit - FREE * limit);
+    let mut steps = [[0; GROUP]; 4];
+    for i in 0..GROUP {
+        let u = [0, 1, 2].map(|k| sums[k][i] as f32 * unit);
+        let length = (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]).sqrt();
+        let beyond = length - free;
+        let shorter = (free + rest * (beyond / (rest + beyond))) / length;
+        // A length that overflows is cut.
+        let factor = if length > free && length < f32::INFINITY { shorter } else { 1.0 };
+        let u = u.map(|x| small_whole((x * factor / step).clamp(-MOST_STEPS, MOST_STEPS)));
+        let [x, y, z] = u.map(|x| x as f32);
+        let length = (x * x + y * y + z * z).sqrt();
+        let near = small_whole(length);
+        let above = near + i32::from((near as f32) < length);
+        steps.iter_mut().zip([u[0], u[1], u[2], above]).for_each(|(to, x)| to[i] = x as i16);
+    }
+    std::array::from_fn(|i| steps.each_ref().map(|along| along[i]))
+}
+
+/// The largest number of steps along an axis.
+const MOST_STEPS: f32 = 32767.0;
 
 /// Nodes move no further than this many times the set's own depth limit, whatever that of the instance: so that steps stay fine.
 const MOST_LIMITS: f32 = 16.0;
@@ -151,18 +188,6 @@ const UNIT: f32 = 1.0 / (1u32 << 17) as f32;
 /// Units and their inverses are floats for bodies of all sizes.
 const LEAST: f32 = 1e-20;
 const MOST_METRES: f32 = 1e20;
-
-/// A displacement that approaches the depth limit instead of being cut to it, so that many dents leave no plateau: up to [`FREE`] of
-/// the limit it is `u`, beyond it grows ever more slowly. Only IEEE operations.
-fn soft(u: Vec3, limit: f32) -> Vec3 {
-    let (length, free) = (u.length(), FREE * limit);
-    // A length that overflows is cut.
-    if length <= free || !length.is_finite() {
-        return u;
-    }
-    let (rest, beyond) = (limit - free, length - free);
-    u * ((free + rest * (beyond / (rest + beyond))) / length)
-}
 
 /// The step for displacements up to `limit`, m: a power of two.
 fn step(limit: f32) -> f32 {

@@ -116,7 +116,10 @@ impl Blow {
     /// for the error.
     pub(crate) fn checked(&self, name: impl Fn(&str) -> String) -> Result<Self, Error> {
         let vector = |part: &str, v: Option<[f32; 3]>| v.map_or(Ok(()), |v| finite(v, || name(part)).map(|_| ()));
-        let size = |part: &str, x: Option<f32>, unit: &str| x.map_or(Ok(()), |x| positive(&name(part), x, unit));
+        // Names are made for errors only.
+        let size = |part: &str, x: Option<f32>, unit: &str| {
+            x.map_or(Ok(()), |x| positive("", x, unit).or_else(|_| positive(&name(part), x, unit)))
+        };
         vector("impulse", self.impulse)?;
         size("duration", self.duration, "s")?;
         size("striker.mass", self.striker.mass, "kg")?;

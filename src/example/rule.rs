@@ -40,7 +40,8 @@ pub(crate) struct Predicted {
 #[derive(Debug, Default)]
 struct Recent {
     predictions: VecDeque<(Key, Predicted)>,
-    scratch: Vec<Scratch>,
+    /// Memory of predictions: each takes a piece, and the list of what it moves.
+    scratch: Vec<(Scratch, Vec<(u32, Vec3)>)>,
 }
 
 /// What a rule is learned from.
@@ -146,14 +147,13 @@ impl LearnedRule {
 
     /// Predicts the displacements of the nodes by a hit alone. `key` must tell all hits apart.
     pub(crate) fn predict(&self, key: Key, hit: &Hit) -> Predicted {
-        let mut scratch = {
+        let (mut scratch, mut moved) = {
             let mut recent = self.recent.lock().unwrap_or_else(|e| e.into_inner());
             if let Some((_, known)) = recent.predictions.iter().find(|(k, _)| *k == key) {
                 return known.clone();
             }
             recent.scratch.pop().unwrap_or_default()
         };
-        let mut moved = Vec::new();
         let expected_error = self.predictor.predict(hit, &mut scratch, &mut moved).expected_error;
         // Numbers of a file may be anything finite.
         if moved.iter().any(|(_, u)| !u.is_finite()) {
@@ -161,7 +161,7 @@ impl LearnedRule {
         }
         let predicted = Predicted { field: Arc::new(NodeField::new(&moved)), expected_error };
         let mut recent = self.recent.lock().unwrap_or_else(|e| e.into_inner());
-        recent.scratch.push(scratch);
+        recent.scratch.push((scratch, moved));
         recent.predictions.truncate(RECENT - 1);
         recent.predictions.push_front((key, predicted.clone()));
         predicted

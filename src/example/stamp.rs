@@ -24,7 +24,7 @@ use crate::base::math::{Aabb, Four, small_floors, small_wholes};
 use crate::base::pairs::{dot, pair, paired};
 use crate::mesh::field::Field;
 use crate::mesh::nearest::VertexIndex;
-use glam::{Mat3, UVec2, Vec2, Vec3, Vec4};
+use glam::{IVec4, Mat3, Mat4, UVec2, Vec2, Vec3, Vec4};
 use std::collections::VecDeque;
 
 /// Displacements below this share of the deepest do not enlarge the grid. Otherwise long flat tails would take nodes
@@ -172,7 +172,7 @@ impl Stamp {
 
     /// Displacement at `p`, m. Both are in the contact frame. Zero outside the grid.
     pub fn displacement(&self, p: Vec3) -> Vec3 {
-        self.reader(1.0).read(p.to_array().map(Vec4::splat))[0]
+        Vec3::from(self.reader(1.0).read(p.to_array().map(Vec4::splat)).map(|u| u.x))
     }
 
     /// What reads the stamp, stretched along the surface, at many points.
@@ -260,35 +260,47 @@ pub(crate) struct Reader<'a> {
 impl Reader<'_> {
     /// Displacements at four points, m, zero outside the grid. Both are in the contact frame.
     #[inline(always)]
-    pub(crate) fn read(&self, [x, y, z]: Four) -> [Vec3; 4] {
+    pub(crate) fn read(&self, [x, y, z]: Four) -> Four {
         let lift = lift(z, (x * x + y * y) / self.stretch_square);
         let (gx, gy) = (x * lift * self.per_cell.x - self.origin.x, y * lift * self.per_cell.y - self.origin.y);
         // Not for NaN.
         let (least, top) = (gx.min(gy).cmpge(Vec4::ZERO), (Vec4::splat(self.top.x), Vec4::splat(self.top.y)));
-        let inside = (least & gx.cmple(top.0) & gy.cmple(top.1)).bitmask();
-        // Whatever they are: a node that is not the last.
-        let within = |g: Vec4, last: f32| small_floors(g.max(Vec4::ZERO).min(Vec4::splat(last)));
-        let (column, row) = (within(gx, self.last.x), within(gy, self.last.y));
+        let inside = least & gx.cmple(top.0) & gy.cmple(top.1);
+        if !inside.any() {
+            return [Vec4::ZERO; 3];
+        }
+        // Points outside are read on the border.
+        let (gx, gy) = (gx.max(Vec4::ZERO).min(top.0), gy.max(Vec4::ZERO).min(top.1));
+        // Nodes that are not the last.
+        let column = small_floors(gx.min(Vec4::splat(self.last.x)));
+        let row = small_floors(gy.min(Vec4::splat(self.last.y)));
         let first = small_wholes(column + row * self.row as f32);
         let (tx, ty) = ((gx - column) * WEIGHTS, (gy - row) * WEIGHTS);
-        let weights = [tx, ty, tx * ty * (1.0 / WEIGHTS)].map(small_wholes);
-        let z = z.to_array();
-        let mut out = [Vec3::ZERO; 4];
-        for i in 0..4 {
+        let [x, y, both] = [tx, ty, tx * ty * (1.0 / WEIGHTS)].map(small_wholes);
+        let mut sums = [Vec4::ZERO; 4];
+        for (i, sum) in sums.iter_mut().enumerate() {
+            let none = (WEIGHTS as i32 - x[i] - y[i] + both[i]).max(0);
+            let near = pair(none as i16, (x[i] - both[i]) as i16);
+            let far = pair((y[i] - both[i]) as i16, both[i] as i16);
             let first = first[i] as usize;
-            let near = if inside & (1 << i) != 0 { self.nodes.get(first..first + 2) } else { None };
-            let Some([a, b]) = near else { continue };
+            let Some([a, b]) = self.nodes.get(first..first + 2) else { continue };
             let Some([c, d]) = self.nodes.get(first + self.row..first + self.row + 2) else { continue };
-            let [x, y, both] = weights.map(|w| w[i]);
-            let none = (WEIGHTS as i32 - x - y + both).max(0);
-            let near = dot(paired(*a, *b), pair(none as i16, (x - both) as i16));
-            let far = dot(paired(*c, *d), pair((y - both) as i16, both as i16));
-            let [x, y, over, h] = [0, 1, 2, 3].map(|k| (near[k] + far[k]) as f32);
-            let keep = (2.0 - (z[i] - h * self.height).abs() * self.fade).clamp(0.0, 1.0);
-            out[i] = Vec3::new(x, y, over) * self.displacement * keep;
+            let (near, far) = (dot(paired(*a, *b), near), dot(paired(*c, *d), far));
+            let whole = IVec4::from(near) + IVec4::from(far);
+            *sum = whole.as_vec4();
         }
-        out
+        let [x, y, over, h] = side_by_side_of(sums);
+        let keep = (2.0 - (z - h * self.height).abs() * self.fade).clamp(Vec4::ZERO, Vec4::ONE);
+        let d = self.displacement;
+        [x * d.x, y * d.y, over * d.z].map(|u| Vec4::select(inside, u * keep, Vec4::ZERO))
     }
+}
+
+/// The first numbers of four vectors, their second numbers, and so on.
+#[inline(always)]
+fn side_by_side_of([a, b, c, d]: [Vec4; 4]) -> [Vec4; 4] {
+    let columns = Mat4::from_cols(a, b, c, d).transpose();
+    [columns.x_axis, columns.y_axis, columns.z_axis, columns.w_axis]
 }
 
 fn of(n: &Node) -> Vec3 {

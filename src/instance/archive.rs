@@ -4,6 +4,7 @@
 
 use super::Instance;
 use crate::base::error::Error;
+use crate::base::tasks::{TaskSystem, map};
 use crate::damage::saved::{VERSION, seal, unseal};
 
 const MAGIC: [u8; 4] = *b"CRDA";
@@ -35,11 +36,11 @@ pub(crate) fn pack(each: impl Iterator<Item = Vec<u8>>) -> Vec<u8> {
 /// # Errors
 /// [`Error::DamageMismatch`] for bytes that were changed, are cut short, or are of another version or number of instances; those of
 /// [`Instance::load`], naming the instance. After an error nothing has changed.
-pub fn load_all(instances: &mut [&mut Instance], bytes: &[u8]) -> Result<(), Error> {
+pub fn load_all(instances: &mut [&mut Instance], bytes: &[u8], tasks: &dyn TaskSystem) -> Result<(), Error> {
     let each = unpack(bytes, instances.len())?;
     let read = instances.iter().zip(each).enumerate().map(|(at, (i, bytes))| i.read(bytes).map_err(|e| of(at, e)));
     let read = read.collect::<Result<Vec<_>, _>>()?;
-    instances.iter_mut().zip(read).for_each(|(instance, saved)| instance.become_saved(saved));
+    map(tasks, instances.iter_mut().zip(read), |(instance, saved)| instance.become_saved(saved));
     Ok(())
 }
 

@@ -2,7 +2,7 @@
 
 use super::{Instance, ShapeState};
 use crate::base::error::{Error, reserve};
-use crate::base::tasks::TaskSystem;
+use crate::base::tasks::{TaskSystem, map};
 use crate::deform::view::{DamageView, Shape};
 use crate::deform::{DeformReport, Output, Tracker, VertexMemory, evaluate, write_outputs};
 use glam::Vec3;
@@ -19,6 +19,17 @@ pub struct DeformJob<'a, 'm> {
     pub tracker: &'a mut Tracker,
     /// The memory to write to.
     pub memory: VertexMemory<'m>,
+}
+
+/// Turns the hits that have arrived at these instances into damage, several instances at a time: the same as [`Instance::fold`] of
+/// each.
+pub fn fold_all<'a>(instances: impl IntoIterator<Item = &'a mut Instance>, tasks: &dyn TaskSystem) {
+    let mut waiting = instances.into_iter().filter(|instance| instance.has_hits());
+    let Some(first) = waiting.next() else { return };
+    match waiting.next() {
+        Some(second) => drop(map(tasks, [first, second].into_iter().chain(waiting), Instance::fold)),
+        None => first.fold(),
+    }
 }
 
 /// Evaluates the blocks that changed since each output was last written, and writes only those. Work is balanced by

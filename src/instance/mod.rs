@@ -255,6 +255,11 @@ impl Instance {
         }
     }
 
+    /// Whether a fold would change anything.
+    pub(crate) fn has_hits(&self) -> bool {
+        !self.inbox.queue().pending.is_empty()
+    }
+
     /// Turns the hits that have arrived into damage. The result does not depend on the order or the threads in which
     /// they were submitted. Methods that take `&mut self` and read the damage do this first.
     pub fn fold(&mut self) {

@@ -23,13 +23,13 @@ fn run(data: &[u8]) {
                 }
             }
             let mut all: Vec<&mut Instance> = bodies.iter_mut().collect();
-            let _ = load_all(&mut all, &bytes);
+            let _ = load_all(&mut all, &bytes, &Serial);
         }
     }
     bodies.iter_mut().for_each(check);
     let saved = save_all(&mut bodies);
     let mut fresh = seeds::dented();
-    load_all(&mut fresh.iter_mut().collect::<Vec<_>>(), &saved).expect("what was saved");
+    load_all(&mut fresh.iter_mut().collect::<Vec<_>>(), &saved, &Serial).expect("what was saved");
     assert_eq!(save_all(&mut fresh), saved);
 }
 

@@ -5,6 +5,7 @@
 
 mod build;
 mod collider;
+mod crowd;
 mod deform;
 pub mod deformed;
 mod idle;
@@ -200,6 +201,16 @@ const WORKLOADS: &[Workload] = &[
         run: collider::run,
     },
     Workload { name: "idle_1000", about: "1000 bodies, ten of them hit, against those ten alone", run: idle::run },
+    Workload {
+        name: "crowd_hood",
+        about: "200 hoods drawn as four meshes each, ten blows a frame, one thread: from the blows to positions and normals",
+        run: crowd::hoods,
+    },
+    Workload {
+        name: "restore_200",
+        about: "200 drums with 16 marks each: from saved bytes to all positions and normals, one thread and two",
+        run: crowd::drums,
+    },
     Workload { name: "load_1m_24ex", about: "a baked file, against copying its bytes", run: build::load },
     Workload {
         name: "build_1m_24ex",

@@ -18,7 +18,7 @@ const TIMED: [usize; 3] = [1, 9, 64];
 
 /// How a set answers a hit.
 #[derive(Clone, Copy, PartialEq)]
-enum Way {
+pub enum Way {
     Nearest,
     Learned,
 }
@@ -26,7 +26,7 @@ enum Way {
 /// One more hit, told as a blow and predicted from all examples. Names end in `nearest` for a hit told as a displacement that mixes the
 /// nearest examples.
 pub fn hits_upon_hits(bench: &Bench) -> Result<()> {
-    let sets = [set(bench, Way::Learned)?, set(bench, Way::Nearest)?];
+    let sets = [set(bench, "hood", Way::Learned)?, set(bench, "hood", Way::Nearest)?].map(Arc::new);
     for count in TIMED {
         let name = format!("hit_hood_{count}");
         if ["", "_nearest"].iter().any(|end| bench.wanted(&format!("{name}{end}"))) {
@@ -38,7 +38,7 @@ pub fn hits_upon_hits(bench: &Bench) -> Result<()> {
 
 /// From a blow to the displacements of the nodes.
 pub fn predictions(bench: &Bench) -> Result<()> {
-    let set = set(bench, Way::Learned)?;
+    let set = Arc::new(set(bench, "hood", Way::Learned)?);
     let instance = Instance::new(set.clone(), InstanceOptions::default())?;
     let hits = blows(&set, 997);
     let mut next = hits.iter().cycle();
@@ -54,7 +54,7 @@ pub fn predictions(bench: &Bench) -> Result<()> {
 /// Memory of the set.
 pub fn memory(bench: &Bench) -> Result<()> {
     let bytes = |set: &ExampleSet| set.memory_bytes() as f64 / set.vertex_count() as f64;
-    let (learned, nearest) = (set(bench, Way::Learned)?, set(bench, Way::Nearest)?);
+    let (learned, nearest) = (set(bench, "hood", Way::Learned)?, set(bench, "hood", Way::Nearest)?);
     bench.add(Row::new("bytes_vertex", bytes(&learned), "B/vertex").beside(
         "not learned",
         bytes(&nearest),
@@ -63,15 +63,17 @@ pub fn memory(bench: &Bench) -> Result<()> {
     Ok(())
 }
 
-fn set(bench: &Bench, way: Way) -> Result<Arc<ExampleSet>> {
-    let mut hood = all()?.into_iter().find(|real| real.name == "hood").context("the demo's hood is missing")?;
-    reorder(&mut hood.mesh, &mut hood.examples);
-    hood.examples.iter_mut().for_each(|e| e.placement = Placement::Carried);
-    let mut set = ExampleSet::build(hood.mesh, hood.examples, baked(), bench.tasks(2))?;
+/// The set of one of the demo's bodies, with all examples carried.
+pub fn set(bench: &Bench, body: &str, way: Way) -> Result<ExampleSet> {
+    let found = all()?.into_iter().find(|real| real.name == body);
+    let mut body = found.with_context(|| format!("the demo's {body} is missing"))?;
+    reorder(&mut body.mesh, &mut body.examples);
+    body.examples.iter_mut().for_each(|e| e.placement = Placement::Carried);
+    let mut set = ExampleSet::build(body.mesh, body.examples, baked(), bench.tasks(2))?;
     if way == Way::Learned {
-        ensure!(set.learn_rule(bench.tasks(2))?.blows, "the hood's rule is not used");
+        ensure!(set.learn_rule(bench.tasks(2))?.blows, "the {} rule is not used", body.name);
     }
-    Ok(Arc::new(set))
+    Ok(set)
 }
 
 /// From the hit to positions and normals on one thread, against the classic kernel's positions of the example that moves most.
@@ -104,7 +106,7 @@ fn one_more(bench: &Bench, [learned, nearest]: &[Arc<ExampleSet>; 2], count: usi
 
 /// Positions of all vertices of a body with nine marks, against the classic kernel with one example of all vertices.
 pub fn every_vertex(bench: &Bench) -> Result<()> {
-    let (options, nodes) = (InstanceOptions::default(), &set(bench, Way::Nearest)?);
+    let (options, nodes) = (InstanceOptions::default(), &Arc::new(set(bench, "hood", Way::Nearest)?));
     let marks = made(nodes, options, &hits(nodes, 9))?;
     let mut ours = Deformed::new(nodes, options, &marks, false, bench.tasks(1))?;
     ours.run();
@@ -120,7 +122,7 @@ pub fn every_vertex(bench: &Bench) -> Result<()> {
 }
 
 /// Hits all over the body, as deep as its examples.
-fn hits(set: &ExampleSet, count: usize) -> Vec<Hit> {
+pub fn hits(set: &ExampleSet, count: usize) -> Vec<Hit> {
     let hit = |i: usize| {
         // Steps of the golden ratio spread over the vertices, whatever the count.
         let v = ((0.5 + 0.618_034 * i as f64).fract() * set.vertex_count() as f64) as usize;
@@ -132,7 +134,7 @@ fn hits(set: &ExampleSet, count: usize) -> Vec<Hit> {
 }
 
 /// Blows all over the body, as hard as those of its examples.
-fn blows(set: &ExampleSet, count: usize) -> Vec<Hit> {
+pub fn blows(set: &ExampleSet, count: usize) -> Vec<Hit> {
     let blow = |i: usize| {
         let v = ((0.5 + 0.618_034 * i as f64).fract() * set.vertex_count() as f64) as usize;
         let known = set.examples()[i % set.examples().len()].blow();
@@ -145,7 +147,7 @@ fn blows(set: &ExampleSet, count: usize) -> Vec<Hit> {
 }
 
 /// The marks of hits.
-fn made(set: &Arc<ExampleSet>, options: InstanceOptions, hits: &[Hit]) -> Result<Vec<Mark>> {
+pub fn made(set: &Arc<ExampleSet>, options: InstanceOptions, hits: &[Hit]) -> Result<Vec<Mark>> {
     let mut instance = Instance::new(set.clone(), options)?;
     for hit in hits {
         instance.submit(hit)?;
