@@ -17,9 +17,8 @@ use crate::workspace::{Workspace, empty_directory, files};
 
 /// CMake projects whose programs are tests, each with the name of its build directory.
 pub const OURS: &[(&str, &str)] = &[("examples-c", "examples-c"), ("tests/c", "tests-c")];
-/// All projects: ours and the engines' plugins.
-const ALL: &[(&str, &str)] =
-    &[OURS[0], OURS[1], ("bindings/unity/native~", "unity"), ("bindings/unreal/tests", "unreal")];
+/// All projects: ours and Unity's renderer plugin.
+const ALL: &[(&str, &str)] = &[OURS[0], OURS[1], ("bindings/unity/native~", "unity")];
 
 pub fn install_release(workspace: &Workspace) -> Result<Outcome> {
     let prefix = release_prefix(workspace)?;
@@ -105,14 +104,13 @@ pub fn configure(workspace: &Workspace, build: &Build<'_>, source: &Path, direct
     let ode = here(Tool::Ode).then_some("-DCRUMPLE_REQUIRE_ODE=ON");
     let bullet = here(Tool::Bullet).then_some("-DCRUMPLE_REQUIRE_BULLET=ON");
     let vulkan = (here(Tool::VulkanHeaders) && here(Tool::Png)).then_some("-DCRUMPLE_REQUIRE_VULKAN=ON");
-    let mono = here(Tool::Mono).then_some("-DCRUMPLE_REQUIRE_MONO=ON");
     let drivers: Vec<String> = build.drivers.iter().map(|manifest| manifest.display().to_string()).collect();
     let drivers = format!("-DCRUMPLE_VULKAN_DRIVERS={}", drivers.join(";"));
     let validation = format!("-DCRUMPLE_VULKAN_VALIDATION={}", if validation { "ON" } else { "OFF" });
     cmd!(
         sh,
         "cmake -S {source} -B {directory} -DCMAKE_PREFIX_PATH={prefix} -DCMAKE_BUILD_TYPE=RelWithDebInfo
-         {options...} {ode...} {bullet...} {vulkan...} {mono...} {drivers} {validation}
+         {options...} {ode...} {bullet...} {vulkan...} {drivers} {validation}
          -DCMAKE_CROSSCOMPILING_EMULATOR={launcher} -DCMAKE_POLICY_DEFAULT_CMP0158=OLD --no-warn-unused-cli"
     )
     .quiet()

@@ -34,11 +34,24 @@ pub fn run(workspace: &Workspace, fix: bool) -> Result<()> {
         shown(workspace, fix, file, page, language)?;
     }
     unity::metas(workspace, fix)?;
+    manifests(workspace)?;
     changelog(workspace)?;
     unsafe_blocks(workspace, fix)?;
     dependencies::run(workspace, RELIABILITY, fix)?;
     called(workspace)?;
     messages::run(workspace)
+}
+
+/// The plugins' manifests name the workspace's version.
+fn manifests(workspace: &Workspace) -> Result<()> {
+    let version = &workspace.version;
+    for (file, key) in [("bindings/unity/package.json", "version"), ("bindings/unreal/Crumple.uplugin", "VersionName")]
+    {
+        let entry = format!("\"{key}\": \"{version}\"");
+        ensure!(read(workspace, file)?.contains(&entry), "{file} lacks {entry}, the workspace's");
+    }
+    println!("the plugins are of version {version}");
+    Ok(())
 }
 
 fn assets(workspace: &Workspace) -> Result<()> {

@@ -254,9 +254,9 @@ const STAGES: &[Stage] = &[
     },
     Stage {
         name: "ctest",
-        shows: "the C and C++ tests pass with the installed library; with --all also the engines' plugins",
+        shows: "the C and C++ tests pass with the installed library; with --all also Unity's renderer plugin",
         needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake],
-        wants: &[Tool::Ode, Tool::Bullet, Tool::Vulkan, Tool::VulkanHeaders, Tool::Png, Tool::Mono],
+        wants: &[Tool::Ode, Tool::Bullet, Tool::Vulkan, Tool::VulkanHeaders, Tool::Png],
         leaves: &[],
         run: native::ctest,
     },

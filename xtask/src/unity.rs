@@ -43,10 +43,7 @@ pub fn metas(workspace: &Workspace, fix: bool) -> Result<()> {
     let metas = names.iter().filter_map(|name| name.strip_suffix(".meta"));
     let orphans: Vec<&str> = metas.filter(|asset| !names.contains(*asset) && !asset.starts_with(PLUGINS)).collect();
     ensure!(orphans.is_empty(), "{PACKAGE}: {} have .meta files and are not there", orphans.join(", "));
-    let manifest = fs::read_to_string(root.join("package.json"))?;
-    let version = format!("\"version\": \"{}\"", workspace.version);
-    ensure!(manifest.contains(&version), "{PACKAGE}/package.json lacks {version}, the workspace's");
-    println!("{PACKAGE}: {} assets with .meta files, version {}", guids.len(), workspace.version);
+    println!("{PACKAGE}: {} assets with .meta files", guids.len());
     Ok(())
 }
 

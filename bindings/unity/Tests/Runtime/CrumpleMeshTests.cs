@@ -7,8 +7,7 @@ using UnityEngine.TestTools;
 
 namespace Crumple.Tests
 {
-    /// <summary>What a component does from hit to vertex, on the CPU. For Unity's test runner; outside Unity stand-ins play its
-    /// part.</summary>
+    /// <summary>What a component does from hit to vertex, on the CPU. For Unity's test runner.</summary>
     public sealed class CrumpleMeshTests
     {
         private CrumpleSet set;
