@@ -182,10 +182,6 @@ void UnityHost::destroy_buffer(NativeBuffer *native) {
     delete native;
 }
 
-void UnityHost::destroy_all_buffers() {
-    while (!buffers_.empty()) destroy_buffer(*buffers_.begin());
-}
-
 bool UnityHost::knows(const void *native) const {
     return std::any_of(buffers_.begin(), buffers_.end(), [native](const NativeBuffer *known) { return known == native; });
 }

@@ -64,7 +64,6 @@ class UnityHost {
     // The same native buffer gets another VkBuffer, as when a mesh is uploaded anew.
     void renew(NativeBuffer *native, const void *bytes, size_t size, VkBufferUsageFlags usage);
     void destroy_buffer(NativeBuffer *native);
-    void destroy_all_buffers(); // with their device
     bool knows(const void *native) const;
 
     void begin_frame();
