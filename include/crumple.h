@@ -160,7 +160,8 @@ typedef enum CrumpleRule {
     /// Each hit leaves a mark. The number of marks is bounded and the order of hits does not matter. The default.
     CRUMPLE_RULE_MARKS = 0,
     /// The classic rule "most displaced" of the paper, for comparison. The order of hits matters. The instance has
-    /// no marks and needs memory for each vertex.
+    /// no marks and needs memory for each vertex, and a set with whole examples: one that was made here, or baked with
+    /// CrumpleExampleSetOptions::whole_examples.
     CRUMPLE_RULE_MOST_DISPLACED = 1,
     /// The classic rule "blend", which uses blend_constant. Otherwise like CRUMPLE_RULE_MOST_DISPLACED.
     CRUMPLE_RULE_BLEND = 2,

@@ -146,6 +146,49 @@ fn loaded_sets_are_the_saved_ones_bit_for_bit() {
     }
 }
 
+/// The set of a body of more positions than nodes, whose file holds its examples whole, and as they are without that.
+#[test]
+fn files_without_whole_examples_are_smaller_and_give_the_same_dents() {
+    let (mesh, mut examples) = scenes::solver("panel");
+    examples.truncate(9);
+    let build = |whole_examples| {
+        let options = SetOptions { whole_examples, ..baked(1e-4) };
+        Arc::new(ExampleSet::build(mesh.clone(), examples.clone(), options, &Serial).unwrap())
+    };
+    let (whole, set) = (build(true), build(false));
+    let (whole_file, file) = (whole.save().unwrap(), set.save().unwrap());
+    assert!(whole_file.len() - file.len() >= whole.report().anchored_bytes);
+    let loaded = Arc::new(load(&file).unwrap());
+    assert!(
+        !loaded.has_whole_examples() && set.has_whole_examples() && load(&whole_file).unwrap().has_whole_examples()
+    );
+    assert_eq!(loaded.save().unwrap(), file);
+    assert_eq!((loaded.fingerprint(), set.fingerprint()), (whole.fingerprint(), whole.fingerprint()));
+    assert_eq!(loaded.memory_bytes() + whole.report().anchored_bytes, whole.memory_bytes());
+    assert_eq!(loaded.report().anchored_bytes, 0);
+    let [mut a, mut b, mut c] =
+        [&set, &loaded, &whole].map(|s| crumple::Instance::new(s.clone(), Default::default()).unwrap());
+    for hit in &random_hits(&set, 60, 11) {
+        let told = a.submit(hit).unwrap();
+        assert_eq!((b.submit(hit).unwrap(), c.submit(hit).unwrap()), (told, told));
+    }
+    let marks = a.marks().unwrap();
+    assert_eq!((b.marks().unwrap(), c.marks().unwrap()), (marks, marks));
+    let bits = Output::fresh(&mut a).all_bits();
+    assert!(bits == Output::fresh(&mut b).all_bits() && bits == Output::fresh(&mut c).all_bits());
+    let off = |v: u32| loaded.examples()[0].delta(v).distance(set.examples()[0].delta(v));
+    assert!((0..set.vertex_count() as u32).all(|v| off(v) == 0.0));
+    let classic = crumple::InstanceOptions::classic(crumple::Rule::MostDisplaced);
+    let refused = crumple::Instance::new(loaded.clone(), classic).unwrap_err();
+    assert!(refused.to_string().contains("baked without whole examples"), "{refused}");
+    let mut again = load(&file).unwrap();
+    let refused = again.learn_basis(&crumple::BasisOptions::new(1e-4), &Serial).unwrap_err();
+    assert!(refused.to_string().contains("baked without whole examples"), "{refused}");
+    assert_eq!(again.save().unwrap(), file);
+    // Its rule is learned from what the examples move the nodes by.
+    again.learn_rule(&Serial).unwrap();
+}
+
 #[test]
 fn aligned_bytes_are_used_where_they_lie_and_others_copied() {
     let file = scenes::sheet_set().save().unwrap();
@@ -211,7 +254,7 @@ fn a_damaged_file_says_what_is_wrong() {
 fn a_wrong_blow_is_named() {
     let (_, set) = &small_sets()[0];
     let file = set.save().unwrap();
-    let blow = sections(&file)[1].0 + 52;
+    let blow = sections(&file)[1].0 + 60;
     assert_eq!(file[blow..blow + 4], 0.5f32.to_le_bytes(), "the first number of the first example's blow");
     let cases: [(usize, f32, &str); 8] = [
         (0, f32::INFINITY, "blow.impulse of example 0 is [inf"),

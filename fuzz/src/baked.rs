@@ -20,7 +20,8 @@ pub fn load_and_use(file: Vec<u8>) -> bool {
     let finite = |what: &str, all: &[f32]| {
         assert!(all.iter().all(|x| x.is_finite()), "{what} of a loaded set are not finite: {all:?}");
     };
-    for rule in [Rule::Marks, Rule::MostDisplaced] {
+    let rules = [Rule::Marks, Rule::MostDisplaced];
+    for rule in rules.into_iter().filter(|rule| *rule == Rule::Marks || set.has_whole_examples()) {
         let options = if rule == Rule::Marks { InstanceOptions::default() } else { InstanceOptions::classic(rule) };
         let mut body = Instance::new(set.clone(), options).expect("default options");
         let contacts = set.examples().iter().map(|e| e.contact_vertex() as usize);

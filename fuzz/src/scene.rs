@@ -60,6 +60,7 @@ fn body(bytes: &mut Unstructured<'_>) -> arbitrary::Result<Option<(Instance, f32
     let options = SetOptions {
         mirror: bytes.arbitrary()?,
         held_rims: bytes.arbitrary()?,
+        whole_examples: true,
         stamp_resolution: bytes.int_in_range(4..=24)?,
         tolerance: if bytes.arbitrary()? { Some(unit * [1e-6, 1e-4, 1e-2][bytes.choose_index(3)?]) } else { None },
         depth_limit: if bytes.arbitrary()? { Some(unit * between(bytes, 0.001, 0.5)?) } else { None },

@@ -94,10 +94,6 @@ pub struct ContactsOptions {
     check: bool,
 }
 
-/// Counts allocations, for the benchmark.
-#[global_allocator]
-static ALLOCATOR: &stats_alloc::StatsAlloc<std::alloc::System> = &stats_alloc::INSTRUMENTED_SYSTEM;
-
 fn main() -> Result<()> {
     match Cli::parse().part {
         Part::Accuracy(options) => accuracy::run(&options),

@@ -52,8 +52,12 @@ impl ExampleSet {
     /// Call it before instances are made. Instances with a classic rule do not follow nodes.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] naming the option; [`Error::OutOfMemory`]. After an error nothing has changed.
+    /// [`Error::InvalidArgument`] naming the option; [`Error::Unsupported`] for a set from a file without
+    /// [whole examples](crate::SetOptions::whole_examples); [`Error::OutOfMemory`]. After an error nothing has changed.
     pub fn learn_basis(&mut self, options: &BasisOptions, tasks: &dyn TaskSystem) -> Result<BasisReport, Error> {
+        if !self.has_whole_examples() {
+            return Err(Error::Unsupported { what: "learning the basis of a set baked without whole examples".into() });
+        }
         let fields = || {
             let step = self.examples().len().div_ceil(EXAMPLES);
             let examples = (0..self.examples().len()).step_by(step).map(|i| self.base_lod().field(i));
@@ -133,10 +137,11 @@ impl ExampleSet {
         };
         let (mesh, _) = Mesh::new(data)?;
         let rim = self.rim().on(base, &mesh, tasks);
-        let anchored = map(tasks, self.examples().iter().enumerate(), |(i, example)| {
+        let anchored = map(tasks, 0..self.examples().len(), |i| {
+            let steps = self.base_lod().anchored[i].steps;
             let field = self.base_lod().field(i);
             let moved: Vec<Vec3> = nodes.iter().map(|v| field[*v as usize]).collect();
-            Arc::new(DeltaBlocks::new(&moved, None, example.anchored.steps))
+            Arc::new(DeltaBlocks::new(&moved, None, steps))
         });
         Ok(MeshLod::new(mesh, rim, anchored))
     }

@@ -8,6 +8,7 @@ use crate::base::tasks::TaskSystem;
 use crate::base::tasks::map;
 use crate::example::blocks::{DeltaBlocks, Steps};
 use crate::example::blow::Blow;
+use crate::example::candidates::reach;
 use crate::example::data::{Contact, Deltas, ExampleData, Placement};
 use crate::example::example::Example;
 use crate::example::learned::Learned;
@@ -90,7 +91,7 @@ impl ExampleSet {
         let mut set = Self::assemble(Parts {
             fingerprint: fingerprint(&mesh, &ready, &options),
             learned: Learned::nothing(ready.len()),
-            base: MeshLod::new(mesh, rim, ready.iter().map(|e| e.anchored.clone()).collect()),
+            base: MeshLod::new(mesh, rim, ready.iter().filter_map(|e| e.whole.clone()).collect()),
             lods: Vec::new(),
             examples: ready,
             options,
@@ -131,7 +132,7 @@ fn fingerprint(mesh: &Mesh, examples: &[Example], options: &SetOptions) -> u64 {
         vec(e.contact_normal.unwrap_or(Vec3::ZERO));
         vec(e.contact_delta);
         vec(Vec3::splat(e.placement as u8 as f32));
-        e.anchored.iter().for_each(|(v, d, _)| {
+        e.whole.iter().flat_map(|whole| whole.iter()).for_each(|(v, d, _)| {
             vec(Vec3::new(f32::from_bits(v), 0.0, 0.0));
             vec(d);
         });
@@ -229,6 +230,7 @@ impl ExampleBuilder<'_> {
         let mut blocks = [deltas.blocks(), normals.as_ref().map_or(&[], Field::blocks)].concat();
         blocks.sort_unstable();
         blocks.dedup();
+        let whole = DeltaBlocks::of_blocks(blocks, &deltas, normals.as_deref(), self.steps);
         let example = Example {
             name: data.name.clone(),
             placement,
@@ -242,7 +244,9 @@ impl ExampleBuilder<'_> {
             max_depth,
             support_radius,
             moved,
-            anchored: Arc::new(DeltaBlocks::of_blocks(blocks, &deltas, normals.as_deref(), self.steps)),
+            reach: reach(self.mesh, contact_point, depth, &whole),
+            whole: Some(Arc::new(whole)),
+            followed: None,
             stamp,
         };
         let moves = if self.options.held_rims { rim::moves(&given) } else { Vec::new() };

@@ -55,7 +55,7 @@ impl ExampleSet {
             mesh.with_limits_of(self.mesh(), &nearest)
         };
         let mut shown = MeshLod::new(mesh, Rim::default(), Vec::new());
-        shown.rows = rows;
+        shown.rows = std::sync::Arc::new(rows);
         let report = LodReport { vertices: shown.vertex_count(), bytes: shown.bytes(), farthest };
         self.push_lod(shown, report);
         Ok(lod)

@@ -72,6 +72,9 @@ pub struct CrumpleExampleSetOptions {
     pub mirror: MaybeUninit<bool>,
     /// Fade carried dents to zero at boundary edges that no example moves. Default true.
     pub held_rims: MaybeUninit<bool>,
+    /// Keep the examples whole in baked bytes too, as CRUMPLE_RULE_MOST_DISPLACED and CRUMPLE_RULE_BLEND need them. Every example
+    /// then takes ten times the memory. Default false.
+    pub whole_examples: MaybeUninit<bool>,
 }
 
 /// An example: the base mesh after a collision. Set target_positions, or delta_indices and position_deltas.
@@ -159,6 +162,7 @@ pub(super) fn default_options() -> CrumpleExampleSetOptions {
         bake_normal_tolerance: SetOptions::default().normal_tolerance,
         mirror: MaybeUninit::new(true),
         held_rims: MaybeUninit::new(true),
+        whole_examples: MaybeUninit::new(false),
         ..zeroed::<CrumpleExampleSetDef>().options
     }
 }
@@ -424,6 +428,7 @@ pub(super) unsafe fn read_options(options: &CrumpleExampleSetOptions, vertices: 
         depth_limit: positive_or(options.depth_limit, "def.options.depth_limit", "m", "4/3 of the deepest example's")?,
         mirror: boolean(options.mirror),
         held_rims: boolean(options.held_rims),
+        whole_examples: boolean(options.whole_examples),
         mass,
         drop_below: options.drop_below,
         stamp_resolution: options.stamp_resolution,

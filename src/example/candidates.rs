@@ -1,5 +1,6 @@
 //! The candidates of selection: every example, and its mirror images if the body has mirror planes.
 
+use super::blocks::DeltaBlocks;
 use super::data::Placement;
 use super::example::Example;
 use super::response::Response;
@@ -114,11 +115,11 @@ impl CandidateLanes {
     }
 }
 
-/// The distance from the contact beyond which the example moves no vertex enough to be used there anchored, m.
-fn reach(mesh: &Mesh, e: &Example) -> f32 {
-    let threshold = REACH * e.depth() * (1.0 - 1e-5);
-    let moved = e.anchored.iter().filter(|(_, u, _)| u.length() >= threshold);
-    moved.map(|(v, _, _)| (mesh.positions()[v as usize] - e.contact_point()).length()).fold(0.0, f32::max)
+/// The distance from the contact beyond which an example of this depth moves no vertex enough to be used there anchored, m.
+pub(crate) fn reach(mesh: &Mesh, contact: Vec3, depth: f32, moves: &DeltaBlocks) -> f32 {
+    let threshold = REACH * depth * (1.0 - 1e-5);
+    let moved = moves.iter().filter(|(_, u, _)| u.length() >= threshold);
+    moved.map(|(v, _, _)| (mesh.positions()[v as usize] - contact).length()).fold(0.0, f32::max)
 }
 
 fn a_little_more(square: f32) -> f32 {
@@ -164,11 +165,11 @@ impl Candidates {
 
     /// Lets examples be used anchored for any hit that they reach. Applies to anchored examples and to those marked in
     /// `learned`.
-    pub(crate) fn let_stay(&mut self, mesh: &Mesh, examples: &[Example], learned: &[bool]) {
+    pub(crate) fn let_stay(&mut self, examples: &[Example], learned: &[bool]) {
         for c in self.all.iter_mut().filter(|c| c.mirror == Mirror::NONE) {
             let e = &examples[c.example as usize];
             if c.placement == Placement::Anchored || learned[c.example as usize] {
-                let within = (OWN_PLACE * e.support_radius()).max(reach(mesh, e));
+                let within = (OWN_PLACE * e.support_radius()).max(e.reach);
                 c.own_place_square = a_little_more(within * within);
             }
         }

@@ -5,6 +5,7 @@ use super::blow::Blow;
 use super::data::Placement;
 use super::stamp::Stamp;
 use crate::base::math::tangent_basis;
+use crate::basis::{ONE, Rows};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -24,7 +25,12 @@ pub struct Example {
     pub(crate) max_depth: f32,
     pub(crate) support_radius: f32,
     pub(crate) moved: usize,
-    pub(crate) anchored: Arc<DeltaBlocks>,
+    /// The length within which of the contact it moves vertices enough to be used there anchored, m.
+    pub(crate) reach: f32,
+    /// What it moves, whole; `None` in a set from a file without.
+    pub(crate) whole: Option<Arc<DeltaBlocks>>,
+    /// What it moves the set's nodes by, and how the vertices follow them. There once the set is made.
+    pub(crate) followed: Option<(Arc<DeltaBlocks>, Arc<Rows>)>,
     pub(crate) stamp: Option<Stamp>,
 }
 
@@ -91,9 +97,12 @@ impl Example {
         self.moved == 0
     }
 
-    /// Displacement of vertex `v` as stored, m.
+    /// Displacement of vertex `v` as it is shown, m: it follows the set's nodes.
     pub fn delta(&self, v: u32) -> Vec3 {
-        self.anchored.delta(v)
+        let Some((nodes, rows)) = &self.followed else {
+            return self.whole.as_ref().map_or(Vec3::ZERO, |whole| whole.delta(v));
+        };
+        rows.of(v).fold(Vec3::ZERO, |sum, (node, w)| sum + nodes.delta(node) * (w as f32 / ONE as f32))
     }
 
     /// The displacement that a hit on vertex `v`, at position `p` (m), is compared with when the example is used
@@ -105,9 +114,10 @@ impl Example {
         if own { self.contact_delta } else { stored }
     }
 
-    /// Change of the unit normal of vertex `v`.
+    /// Change of the unit normal of vertex `v`, which the classic rules use; zero in a set from a file without
+    /// [whole examples](super::options::SetOptions::whole_examples).
     pub fn normal_delta(&self, v: u32) -> Vec3 {
-        self.anchored.normal_delta(v)
+        self.whole.as_ref().map_or(Vec3::ZERO, |whole| whole.normal_delta(v))
     }
 
     /// The stamp used to carry the example. `None` for an anchored or empty example.

@@ -14,10 +14,10 @@ pub(crate) struct MeshLod {
     pub mesh: Mesh,
     pub block_bounds: Arc<[Aabb]>,
     pub rim: Rim,
-    /// One per example of the set, where it was made: of the base mesh and the nodes. Other meshes have none.
+    /// One per example of the set, where it was made: of the nodes, and of the base mesh if it has them. Other meshes have none.
     pub anchored: Vec<Arc<DeltaBlocks>>,
     /// How the vertices follow the set's nodes. The nodes themselves follow nothing.
-    pub rows: Rows,
+    pub rows: Arc<Rows>,
     edge: OnceLock<f32>,
 }
 
@@ -28,7 +28,7 @@ impl MeshLod {
             mesh,
             rim,
             anchored,
-            rows: Rows::default(),
+            rows: Arc::default(),
             edge: OnceLock::new(),
         }
     }

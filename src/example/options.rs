@@ -39,6 +39,10 @@ pub struct SetOptions {
     pub mirror: bool,
     /// Whether carried dents fade to zero towards edges of the sheet that the examples show to be held (fixed).
     pub held_rims: bool,
+    /// Whether a baked file holds the examples whole, as the classic rules need them and
+    /// [learning the basis again](crate::ExampleSet::learn_basis). Otherwise it holds what they move the nodes by, which is all that
+    /// hits need, and every example takes a tenth of the memory.
+    pub whole_examples: bool,
 }
 
 impl Default for SetOptions {
@@ -52,6 +56,7 @@ impl Default for SetOptions {
             normal_tolerance: 1.0,
             mirror: true,
             held_rims: true,
+            whole_examples: false,
         }
     }
 }

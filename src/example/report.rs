@@ -15,13 +15,14 @@ pub struct SetReport {
     pub repaired_normals: usize,
     /// Number of triangles without area.
     pub degenerate_triangles: usize,
-    /// Memory of anchored displacements and normals, with their headers, bytes.
+    /// Memory of whole examples: displacements and normals with their headers, bytes. 0 in a set from a file without
+    /// ([`crate::SetOptions::whole_examples`]), like the other numbers of them here.
     pub anchored_bytes: usize,
     /// The part of `anchored_bytes` that normals use.
     pub normal_bytes: usize,
-    /// Number of vertices that examples move, summed over all examples.
+    /// Number of vertices that examples move, summed over all examples. Known of every set.
     pub moved_vertices: usize,
-    /// Number of blocks of anchored displacements with 1, 2 and 4 bytes per number, summed over all examples.
+    /// Number of blocks of whole examples with 1, 2 and 4 bytes per number, summed over all examples.
     pub blocks_by_width: [usize; 3],
     /// Memory of stamps, bytes.
     pub stamp_bytes: usize,

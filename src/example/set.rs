@@ -20,7 +20,7 @@ use crate::mesh::rim::Rim;
 use crate::mesh::surface::SurfaceIndex;
 use crate::mesh::vertex_blocks::BLOCK;
 use crate::mesh::{Mesh, finite};
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// A base mesh with its examples. It is immutable: the instances of the mesh and threads share it through an `Arc`.
 ///
@@ -163,7 +163,7 @@ impl ExampleSet {
             ..Default::default()
         };
         for (i, e) in p.examples.iter().enumerate() {
-            let bytes: Bytes = e.anchored.bytes();
+            let bytes = e.whole.as_ref().map_or_else(Bytes::default, |whole| whole.bytes());
             report.anchored_bytes += bytes.total();
             report.normal_bytes += bytes.normals;
             report.moved_vertices += e.moved;
@@ -175,7 +175,7 @@ impl ExampleSet {
         }
         let response = Response::learn(&p.examples, &mesh.bounds(), p.planes);
         let mut candidates = Candidates::new(mesh, &p.examples, p.planes, response.as_ref());
-        candidates.let_stay(mesh, &p.examples, &p.learned.anchored);
+        candidates.let_stay(&p.examples, &p.learned.anchored);
         Self {
             candidates,
             depth_limit: p.options.depth_limit.unwrap_or(deepest(&p.examples)),
@@ -242,6 +242,12 @@ impl ExampleSet {
     /// Statistics from building the set.
     pub fn report(&self) -> &SetReport {
         &self.report
+    }
+
+    /// Whether the set holds its examples whole, as the classic rules need them and [learning the basis
+    /// again](ExampleSet::learn_basis): one that was built, or whose file has them ([`SetOptions::whole_examples`]).
+    pub fn has_whole_examples(&self) -> bool {
+        !self.base.anchored.is_empty()
     }
 
     /// What the nodes that vertices follow cost, and how well they hold the examples; `None` for a set from a file.
@@ -339,12 +345,15 @@ impl ExampleSet {
     pub(crate) fn follow(&mut self, lod: MeshLod, rows: Vec<Rows>, report: Option<BasisReport>) {
         self.depth_limit = self.options.depth_limit.unwrap_or(deepest(&self.examples) / FREE);
         let followers = rows.iter().map(|rows| Followers::new(rows, lod.vertex_count())).collect();
-        self.nodes = Some(SetNodes { lod, followers });
         self.rule = None;
         self.basis_report = report;
         for (mesh, rows) in std::iter::once(&mut self.base).chain(&mut self.lods).zip(rows) {
-            mesh.rows = rows;
+            mesh.rows = Arc::new(rows);
         }
+        for (example, moves) in self.examples.iter_mut().zip(&lod.anchored) {
+            example.followed = Some((moves.clone(), self.base.rows.clone()));
+        }
+        self.nodes = Some(SetNodes { lod, followers });
         self.report.lods.iter_mut().zip(&self.lods).for_each(|(report, lod)| report.bytes = lod.bytes());
     }
 
@@ -384,7 +393,7 @@ impl ExampleSet {
     }
 
     pub(crate) fn set_learned(&mut self, learned: Learned) {
-        self.candidates.let_stay(&self.base.mesh, &self.examples, &learned.anchored);
+        self.candidates.let_stay(&self.examples, &learned.anchored);
         self.learned = learned;
     }
 

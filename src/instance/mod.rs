@@ -98,7 +98,8 @@ impl Instance {
     /// Makes an undamaged copy.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] naming the option; [`Error::OutOfMemory`] for the per-vertex state of a classic rule.
+    /// [`Error::InvalidArgument`] naming the option; for a classic rule [`Error::OutOfMemory`] for its state of every vertex, and
+    /// [`Error::Unsupported`] if the set does not hold its [examples whole](crate::SetOptions::whole_examples).
     pub fn new(set: Arc<ExampleSet>, options: InstanceOptions) -> Result<Self, Error> {
         static NEXT: AtomicU64 = AtomicU64::new(1);
         options.check()?;
@@ -118,7 +119,13 @@ impl Instance {
         };
         let shape = match options.rule {
             Rule::Marks => ShapeState::Nodes(new_nodes(&set, &options)),
-            Rule::MostDisplaced | Rule::Blend(_) => ShapeState::Classic(ClassicState::new(&set)?),
+            Rule::MostDisplaced | Rule::Blend(_) if set.has_whole_examples() => {
+                ShapeState::Classic(ClassicState::new(&set)?)
+            }
+            Rule::MostDisplaced | Rule::Blend(_) => {
+                let what = "a classic rule with a set baked without whole examples; bake it with them, or build it";
+                return Err(Error::Unsupported { what: what.into() });
+            }
         };
         let blocks = set.lods().map(|s| vec![0; s.blocks()]).collect();
         Ok(Self {

@@ -452,6 +452,7 @@ typedef struct CrumpleExampleSetOptions {
     CrumpleInput vertex_masses;
     bool mirror;
     bool held_rims;
+    bool whole_examples;
 } CrumpleExampleSetOptions;
 typedef struct CrumpleExampleSetDef {
     uint32_t struct_size;

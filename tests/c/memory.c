@@ -1,4 +1,4 @@
-// How much memory loading takes, and that frames without hits allocate nothing.
+// How much memory loading takes, how often a hit allocates, and that frames without hits allocate nothing.
 #include "heap.h"
 #include "support.h"
 
@@ -45,8 +45,10 @@ static void check_steady_frames(void) {
     for (int frame = 0; frame < 600; ++frame) {
         CrumpleHitDef hit =
             displacement_at((float)(frame * 37 % 101) / 101 - 0.5f, (float)(frame * 61 % 103) / 103 - 0.5f, 0.02f);
+        const unsigned long calls = heap.calls;
         OK(crumple_instance_submit_hit(context, body, &hit, NULL));
         OK(crumple_context_deform(context, NULL, 0, NULL));
+        printf("%lu ", heap.calls - calls);
         OK(crumple_context_get_changed_buffers(context, changed, 1, &buffers));
         FACT(buffers == 1);
         OK(crumple_buffer_get_changes(context, buffer, ranges, 16, &count, &bounds));

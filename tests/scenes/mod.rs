@@ -296,7 +296,9 @@ pub fn bowls(mesh: &MeshData, count: usize, radius: f32, seed: u64) -> Vec<Examp
         .collect()
 }
 
+/// Files of these sets have whole examples, so that what is loaded may learn again and take classic rules.
 pub fn build(mesh: MeshData, examples: Vec<ExampleData>, options: SetOptions) -> Arc<ExampleSet> {
+    let options = SetOptions { whole_examples: true, ..options };
     Arc::new(ExampleSet::build(mesh, examples, options, &Serial).expect("a well-formed scene"))
 }
 
@@ -368,7 +370,8 @@ pub fn learned(mesh: &MeshData, count: usize, seed: u64) -> Arc<ExampleSet> {
     let first = dice.index(mesh.positions.len());
     let places = spread(&mesh.positions, count, first);
     let examples = places.into_iter().map(|v| struck(mesh, v, dice.between(20.0, 400.0))).collect();
-    let mut set = ExampleSet::build(mesh.clone(), examples, SetOptions::default(), &Serial).unwrap();
+    let options = SetOptions { whole_examples: true, ..SetOptions::default() };
+    let mut set = ExampleSet::build(mesh.clone(), examples, options, &Serial).unwrap();
     let report = set.learn_rule(&Serial).unwrap();
     assert!(report.blows && report.displacements, "the rule is not used: {report:?}");
     Arc::new(set)

@@ -172,7 +172,7 @@ const WORKLOADS: &[Workload] = &[
     },
     Workload {
         name: "bytes_vertex",
-        about: "memory of the demo's hood, learned, 12 examples, normals, mesh included",
+        about: "memory of the demo's hood from a file, learned, with normals, without the mesh's own 48 bytes; 12 examples and 300",
         run: nodes::memory,
     },
     Workload { name: "normals", about: "positions and normals against positions alone", run: normals::run },

@@ -11,8 +11,8 @@ use crate::{
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use crumple::{
-    BasisOptions, BasisReport, ExampleData, ExampleSet, MeshData, Placement, RuleReport, SetOptions, Stamp, TaskSystem,
-    ThreadPool, VertexMass, glam::Vec3, import,
+    BasisOptions, BasisReport, ExampleSet, MeshData, RuleReport, SetOptions, Stamp, TaskSystem, ThreadPool, VertexMass,
+    import,
 };
 use indicatif::ProgressBar;
 use std::{fmt::Write, path::PathBuf, time::Instant};
@@ -46,6 +46,9 @@ pub struct Arguments {
     /// where vertices are wrong. Less takes more memory, and hits cost more. Give --reorder too
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     basis: Option<f32>,
+    /// Keep the examples whole, for the rules of the paper (`--rule` of `crumple apply`): ten times the memory for each example
+    #[arg(long)]
+    whole_examples: bool,
     /// File with closed solids that dents must not enter, such as a roll cage: every mesh of a glTF or GLB file, where its
     /// node places it in the scene of the body, m; repeat the option for more files
     #[arg(long, value_name = "SOLID.glb")]
@@ -98,7 +101,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
         "--permutation and --output both name {}; name two files",
         arguments.output.display()
     );
-    let bar = progress(4);
+    let bar = progress(3);
     let pool = Shown { pool: ThreadPool::new(arguments.threads as usize)?, bar: &bar };
     bar.set_message("reading");
     let (imported, _) = arguments.input.import()?;
@@ -115,16 +118,9 @@ pub fn run(arguments: &Arguments) -> Result<String> {
         stamp_resolution: arguments.stamp_resolution.unwrap_or(defaults.stamp_resolution),
         tolerance: arguments.tolerance,
         normal_tolerance: arguments.normal_tolerance.unwrap_or(defaults.normal_tolerance),
+        whole_examples: arguments.whole_examples,
         ..defaults
     };
-    // The reference for the errors below, which compare anchored examples only. Without a tolerance the set is that itself.
-    let exact = arguments.tolerance.map(|_| {
-        let exact = SetOptions { tolerance: None, mirror: false, held_rims: false, ..options.clone() };
-        let anchored = examples.iter().cloned().map(|e| ExampleData { placement: Placement::Anchored, ..e }).collect();
-        ExampleSet::build(mesh.clone(), anchored, exact, &pool).with_context(|| shown.to_string())
-    });
-    let exact = exact.transpose()?;
-    bar.inc(1);
     let start = Instant::now();
     let mut set = ExampleSet::build(mesh, examples, options, &pool).with_context(|| shown.to_string())?;
     for mesh in part_meshes {
@@ -161,9 +157,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
         info::parts(&mut text, &imported.parts)?;
         text.push('\n');
     }
-    let exact = exact.as_ref().unwrap_or(&set);
-    sizes(&mut text, &set, exact, length);
-    errors(&mut text, &set, exact)?;
+    sizes(&mut text, &set, length);
     stamps(&mut text, &set)?;
     if let Some(report) = set.basis_report() {
         followed(&mut text, &report, arguments.basis)?;
@@ -210,31 +204,25 @@ fn megabytes(bytes: usize) -> String {
 }
 
 /// Reports the bytes of each part, compared with the plain sparse form.
-fn sizes(text: &mut String, set: &ExampleSet, exact: &ExampleSet, file: usize) {
+fn sizes(text: &mut String, set: &ExampleSet, file: usize) {
     let report = set.report();
-    // Both forms are measured by the vertices that the source moves.
-    let moved = exact.report().moved_vertices.max(1);
+    let moved = report.moved_vertices.max(1);
+    let whole = if set.options().whole_examples { report.anchored_bytes } else { 0 };
+    let nodes = set.basis_report().map_or(0, |nodes| nodes.bytes);
     let mut table = Table::new(&["", ">bytes", ">a moved vertex"]);
     let mut row = |name: &str, bytes: usize| {
         table.row(vec![name.into(), bytes.to_string(), format!("{:.2}", bytes as f64 / moved as f64)]);
     };
     row("plain sparse displacements", moved * SPARSE);
-    row("displacements, with headers", report.anchored_bytes - report.normal_bytes);
-    row("changes of normals", report.normal_bytes);
+    row("whole examples", whole);
     row("stamps", report.stamp_bytes);
-    row("mesh, index and the rest", file - report.anchored_bytes - report.stamp_bytes);
+    row("nodes", nodes);
+    row("mesh, index and the rest", file - whole - report.stamp_bytes - nodes);
     row("file", file);
     table.write(text);
-    let [one, two, four] = report.blocks_by_width;
-    let dropped = exact.report().moved_vertices - report.moved_vertices.min(exact.report().moved_vertices);
-    let _ = writeln!(
-        text,
-        "\n  moved     {} in {}; {} moved by at most the tolerance and were dropped",
-        count(moved, "vertex", "vertices"),
-        count(set.examples().len(), "example", "examples"),
-        dropped
-    );
-    let _ = writeln!(text, "  blocks    {one} of 1 byte a number, {two} of 2, {four} of 4");
+    let [vertices, examples] = [(moved, "vertex", "vertices"), (set.examples().len(), "example", "examples")]
+        .map(|(n, one, many)| count(n, one, many));
+    let _ = writeln!(text, "\n  moved     {vertices} in {examples}");
 }
 
 /// Reports the nodes that vertices follow.
@@ -274,61 +262,6 @@ fn predicted(text: &mut String, report: &RuleReport) -> Result<()> {
     };
     writeln!(text, "  rule      {what}")?;
     writeln!(text, "            error {error:.2}, median over the examples left out in turn; no dent at all is 1")?;
-    Ok(())
-}
-
-/// Maximum and root mean square of errors.
-#[derive(Default)]
-struct Error {
-    max: f64,
-    sum: f64,
-    count: usize,
-}
-
-impl Error {
-    fn add(&mut self, e: f64) {
-        self.max = self.max.max(e);
-        self.sum += e * e;
-        self.count += 1;
-    }
-
-    fn rms(&self) -> f64 {
-        (self.sum / self.count.max(1) as f64).sqrt()
-    }
-}
-
-/// Reports how far the baked examples differ from the source's.
-fn errors(text: &mut String, set: &ExampleSet, exact: &ExampleSet) -> Result<()> {
-    let (mut positions, mut normals) = (Error::default(), Error::default());
-    let base = set.mesh().normals();
-    for (a, b) in set.examples().iter().zip(exact.examples()) {
-        for v in 0..set.vertex_count() as u32 {
-            let (d, e) = (a.delta(v), b.delta(v));
-            if e != Vec3::ZERO {
-                positions.add((d.as_dvec3() - e.as_dvec3()).length());
-            }
-            let (m, n) = (a.normal_delta(v), b.normal_delta(v));
-            if let Some(base) = base
-                && n != Vec3::ZERO
-            {
-                let of = |change: Vec3| (base[v as usize].as_dvec3() + change.as_dvec3()).normalize_or_zero();
-                let (p, q) = (of(m), of(n));
-                normals.add(p.cross(q).length().atan2(p.dot(q)).to_degrees());
-            }
-        }
-    }
-    text.push('\n');
-    let mut table = Table::new(&["off the source", ">largest", ">rms", ">allowed"]);
-    let o = set.options();
-    let mm = |x: f64| format!("{:.4} mm", x * 1e3);
-    let allowed = o.tolerance.map_or("exact".into(), |t| mm(t.into()));
-    table.row(vec!["positions".into(), mm(positions.max), mm(positions.rms()), allowed]);
-    if base.is_some() {
-        let degrees = |x: f64| format!("{x:.3} deg");
-        let allowed = if o.tolerance.is_some() { degrees(o.normal_tolerance.into()) } else { "exact".into() };
-        table.row(vec!["normals".into(), degrees(normals.max), degrees(normals.rms()), allowed]);
-    }
-    table.write(text);
     Ok(())
 }
 

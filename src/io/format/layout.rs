@@ -199,7 +199,9 @@ pub(super) struct SetRecord {
     pub(super) held_rims: u8,
     /// Mirror planes found: bits 0, 1, 2 for x, y, z.
     pub(super) planes: u8,
-    pub(super) zero: [u8; 4],
+    /// Whether the base mesh has sections `anchored`, `heads` and `words`.
+    pub(super) whole_examples: u8,
+    pub(super) zero: [u8; 3],
 }
 
 /// One element of section `examples`.
@@ -213,6 +215,10 @@ pub(super) struct ExampleRecord {
     pub(super) moved: u32,
     /// m.
     pub(super) support_radius: f32,
+    /// Longest displacement, m.
+    pub(super) max_depth: f32,
+    /// It moves no vertex by a tenth of its depth further from the contact, m.
+    pub(super) reach: f32,
     /// Zero if there is none.
     pub(super) contact_normal: [f32; 3],
     /// As given, m.
@@ -292,7 +298,7 @@ pub(super) struct AnchoredRecord {
 
 // docs/format.md states these sizes.
 const _: () = assert!(size_of::<Header>() == 64 && size_of::<Entry>() == 32);
-const _: () = assert!(size_of::<SetRecord>() == 64 && size_of::<ExampleRecord>() == 100);
+const _: () = assert!(size_of::<SetRecord>() == 64 && size_of::<ExampleRecord>() == 108);
 const _: () = assert!(size_of::<StampRecord>() == 52 && size_of::<MeshRecord>() == 16);
 const _: () =
     assert!(size_of::<crate::example::blocks::Head>() == 20 && size_of::<crate::mesh::rim::WindowBlock>() == 512);

@@ -54,7 +54,7 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
     }
     for k in 0..all_meshes {
         // Levels of detail follow nodes and have no examples.
-        let has_examples = k == 0 || k == record.meshes;
+        let has_examples = k == 0 && options.whole_examples || k == record.meshes;
         meshes.push(mesh_lod(&file, k, if has_examples { count } else { 0 }, steps)?);
     }
     let stamps = stamps(&file, &records)?;
@@ -160,8 +160,8 @@ fn flag(name: &str, x: u8) -> Result<bool, Error> {
 
 fn options(r: &SetRecord, file: &File<'_>, vertices: usize) -> Result<SetOptions, Error> {
     let masses: Array<f32> = file.array(Id::Masses, 0)?;
-    if r.zero != [0; 4] {
-        return Err(wrong("bytes 60 to 63 of section set", format!("{:?}", r.zero), "0"));
+    if r.zero != [0; 3] {
+        return Err(wrong("bytes 61 to 63 of section set", format!("{:?}", r.zero), "0"));
     }
     if (r.mass_kind == 2) == masses.is_empty() {
         return Err(length_of(Id::Masses, masses.len(), if r.mass_kind == 2 { vertices } else { 0 }));
@@ -181,6 +181,7 @@ fn options(r: &SetRecord, file: &File<'_>, vertices: usize) -> Result<SetOptions
         normal_tolerance: r.normal_tolerance,
         mirror: flag("mirror", r.mirror)?,
         held_rims: flag("held rims", r.held_rims)?,
+        whole_examples: flag("whether examples are whole", r.whole_examples)?,
     };
     check_options(&options, vertices).map_err(|e| Error::Format { what: format!("baked set: {e}") })?;
     Ok(options)
@@ -374,7 +375,7 @@ fn examples(
     let names: Array<u8> = file.array(Id::Names, 0)?;
     let (mut names, mut stamps) = (&names[..], stamps.into_iter());
     let mut out = crate::base::error::reserve(records.len(), "examples")?;
-    for (i, (r, anchored)) in records.iter().zip(&lod.anchored).enumerate() {
+    for (i, r) in records.iter().enumerate() {
         let name;
         (name, names) = names
             .split_at_checked(r.name as usize)
@@ -383,7 +384,7 @@ fn examples(
             wrong(format!("the name of example {i}"), format!("wrong at byte {}", e.valid_up_to()), "UTF-8")
         })?;
         let stamp = flag("whether an example has a stamp", r.stamp)?.then(|| stamps.next()).flatten();
-        out.push(example(i, r, (lod, tolerance), (name, anchored.clone(), stamp))?);
+        out.push(example(i, r, (lod, tolerance), (name, lod.anchored.get(i).cloned(), stamp))?);
     }
     if !names.is_empty() {
         return Err(wrong("the rest of section names", format!("{} bytes", names.len()), "empty"));
@@ -395,7 +396,7 @@ fn example(
     i: usize,
     r: &ExampleRecord,
     (lod, tolerance): (&MeshLod, f32),
-    (name, anchored, stamp): (&str, Arc<DeltaBlocks>, Option<Stamp>),
+    (name, whole, stamp): (&str, Option<Arc<DeltaBlocks>>, Option<Stamp>),
 ) -> Result<Example, Error> {
     let of = |what: &str| format!("{what} of example {i}");
     let positions = lod.mesh.positions();
@@ -408,10 +409,13 @@ fn example(
         2 => Placement::Carried,
         other => return Err(wrong(of("the placement"), other, "0 to 2")),
     };
-    let max_depth = anchored.heads.iter().map(|h| h.longest).fold(0.0, f32::max);
+    let max_depth = r.max_depth;
+    check::between(of("the longest displacement"), max_depth, 0.0, check::MAX_DISPLACEMENT)?;
+    check::between(of("the reach"), r.reach, 0.0, f32::MAX)?;
     let contact_delta = Vec3::from_array(r.contact_displacement);
     let depth = contact_delta.length();
-    let off = contact_delta.distance(anchored.delta(r.contact_vertex));
+    let stored = whole.as_ref().map_or(contact_delta, |whole| whole.delta(r.contact_vertex));
+    let off = contact_delta.distance(stored);
     if off.is_nan() || off > tolerance * 1.001 {
         return Err(wrong(
             of("the displacement of the contact"),
@@ -450,7 +454,9 @@ fn example(
         max_depth,
         support_radius: r.support_radius,
         moved: r.moved as usize,
-        anchored,
+        reach: r.reach,
+        whole,
+        followed: None,
         stamp,
     })
 }

@@ -4,6 +4,7 @@ use super::layout::{
     ALIGN, AnchoredRecord, BlowRecord, CHUNK, Entry, ExampleRecord, Header, Id, MAGIC, MeshRecord, SetRecord,
     StampRecord, UNHASHED, VERSION, checksum,
 };
+use crate::example::blocks::DeltaBlocks;
 use crate::example::blow::Blow;
 use crate::example::data::Placement;
 use crate::example::example::Example;
@@ -15,6 +16,7 @@ use bytemuck::{Pod, bytes_of, cast_slice};
 use std::borrow::Cow;
 use std::hash::Hasher;
 use std::io::{self, Write};
+use std::sync::Arc;
 use twox_hash::XxHash3_64;
 
 /// The content of one section, as consecutive pieces.
@@ -44,13 +46,15 @@ impl<'a> File<'a> {
         file.set(set);
         for (k, lod) in set.lods().enumerate() {
             let farthest = k.checked_sub(1).map_or(0.0, |lod| set.report().lods[lod].farthest);
-            file.mesh_lod(k as u32, lod, farthest);
+            let examples = if holds_whole(set) { &lod.anchored[..] } else { &[] };
+            file.mesh_lod(k as u32, (lod, examples), farthest);
         }
         if let Some(rule) = set.rule() {
             // Its numbers were finite when it was learned.
             file.pieces(Id::Rule, 0, 1, vec![Cow::Owned(rule.to_bytes().unwrap_or_default())]);
         }
-        file.mesh_lod(set.lod_count() as u32, &set.nodes().lod, 0.0);
+        let nodes = &set.nodes().lod;
+        file.mesh_lod(set.lod_count() as u32, (nodes, &nodes.anchored), 0.0);
         let (inner, leaves) = set.index().parts();
         file.array(Id::IndexInner, 0, inner);
         file.array(Id::IndexLeaves, 0, leaves);
@@ -151,7 +155,8 @@ impl<'a> File<'a> {
             mirror: o.mirror.into(),
             held_rims: o.held_rims.into(),
             planes: r.mirror_planes.bits(),
-            zero: [0; 4],
+            whole_examples: holds_whole(set).into(),
+            zero: [0; 3],
         };
         self.records(Id::Set, 0, &[record]);
         let examples: Vec<ExampleRecord> = set
@@ -163,6 +168,8 @@ impl<'a> File<'a> {
                 contact_vertex: e.contact_vertex(),
                 moved: e.moved_vertices() as u32,
                 support_radius: e.support_radius(),
+                max_depth: e.max_depth(),
+                reach: e.reach,
                 contact_normal: e.contact_normal().unwrap_or_default().to_array(),
                 contact_displacement: e.contact_displacement().to_array(),
                 carried_error: learned.carried_error[i].unwrap_or(f32::NAN),
@@ -191,7 +198,7 @@ impl<'a> File<'a> {
         self.pieces(Id::Nodes, 0, size_of::<Node>(), nodes.collect());
     }
 
-    fn mesh_lod(&mut self, k: u32, lod: &'a MeshLod, farthest: f32) {
+    fn mesh_lod(&mut self, k: u32, (lod, examples): (&'a MeshLod, &'a [Arc<DeltaBlocks>]), farthest: f32) {
         let (mesh, arrays) = (&lod.mesh, lod.mesh.arrays());
         let record = MeshRecord {
             vertices: lod.vertex_count() as u32,
@@ -217,17 +224,21 @@ impl<'a> File<'a> {
         self.array(Id::Weights, k, &lod.rows.weights);
         self.array(Id::Slopes, k, &lod.rows.slopes);
         self.array(Id::SlopeUnits, k, &lod.rows.slope_units);
-        let records: Vec<AnchoredRecord> = lod
-            .anchored
+        let records: Vec<AnchoredRecord> = examples
             .iter()
             .map(|a| AnchoredRecord { heads: a.heads.len() as u32, words: a.words.len() as u32 })
             .collect();
         self.records(Id::Anchored, k, &records);
-        let heads = lod.anchored.iter().map(|a| Cow::Borrowed(cast_slice(&a.heads)));
+        let heads = examples.iter().map(|a| Cow::Borrowed(cast_slice(&a.heads)));
         self.pieces(Id::Heads, k, size_of::<crate::example::blocks::Head>(), heads.collect());
-        let words = lod.anchored.iter().map(|a| Cow::Borrowed(cast_slice(&a.words)));
+        let words = examples.iter().map(|a| Cow::Borrowed(cast_slice(&a.words)));
         self.pieces(Id::Words, k, size_of::<u64>(), words.collect());
     }
+}
+
+/// Whether the file of a set holds its examples whole.
+fn holds_whole(set: &ExampleSet) -> bool {
+    set.options().whole_examples && set.has_whole_examples()
 }
 
 fn blow_of(b: &Blow) -> BlowRecord {

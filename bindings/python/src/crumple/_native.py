@@ -502,6 +502,7 @@ class CrumpleExampleSetOptions(c.Structure):
         ("vertex_masses", CrumpleInput),
         ("mirror", c.c_bool),
         ("held_rims", c.c_bool),
+        ("whole_examples", c.c_bool),
     ]
 
 

@@ -21,7 +21,7 @@ from .types import ContactHit, ContactPoint, ContactReport, DeformReport, Exampl
 
 _OPTIONS = (
     "depth_limit", "drop_below", "vertex_mass", "stamp_resolution", "bake_tolerance", "bake_normal_tolerance",
-    "mirror", "held_rims",
+    "mirror", "held_rims", "whole_examples",
 )  # fmt: skip
 
 

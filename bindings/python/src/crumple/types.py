@@ -96,6 +96,8 @@ class SetOptions:
     """Also use mirrored copies of the examples if the body is symmetric."""
     held_rims: bool = True
     """Fade carried dents to zero at boundary edges that no example moves."""
+    whole_examples: bool = False
+    """Keep the examples whole in baked bytes too, as the classic rules need them. Every example then takes ten times the memory."""
 
 
 @dataclass(frozen=True)

@@ -609,6 +609,7 @@ namespace Crumple
         public CrumpleInput VertexMasses;
         public CrumpleBool Mirror;
         public CrumpleBool HeldRims;
+        public CrumpleBool WholeExamples;
     }
 
     /// <summary>The struct of the C headers.</summary>
