@@ -5,11 +5,12 @@ use crate::base::tasks::TaskSystem;
 use crate::basis::field::NodeField;
 use crate::mesh::Mesh;
 use crate::mesh::mirror::Mirror;
-use crate::predict::{Blow, Body, Hit, Learned, Predictor, Sample, Scratch, Strike};
+use crate::predict::{Blow, Body, Fields, Hit, Learned, Predictor, Sample, Scratch, Strike};
 use glam::Vec3;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};
 
+use super::blocks::DeltaBlocks;
 use super::blow;
 use super::example::Example;
 use super::learned;
@@ -26,7 +27,25 @@ pub(crate) type Key = [u32; 6];
 #[derive(Debug)]
 pub(crate) struct LearnedRule {
     predictor: Predictor,
+    /// What the examples that move anything move the nodes by.
+    fields: Moves,
     recent: Mutex<Recent>,
+}
+
+#[derive(Debug)]
+struct Moves(Vec<Arc<DeltaBlocks>>);
+
+impl Moves {
+    fn of(source: &Source<'_>) -> Self {
+        let examples = source.examples.iter().zip(&source.nodes.anchored);
+        Moves(examples.filter(|(example, _)| !example.is_empty()).map(|(_, moves)| moves.clone()).collect())
+    }
+}
+
+impl Fields for Moves {
+    fn moved(&self, sample: usize, f: &mut dyn FnMut(usize, Vec3)) {
+        self.0[sample].iter().for_each(|(node, u, _)| f(node as usize, u));
+    }
 }
 
 /// What a hit alone is predicted to leave.
@@ -110,7 +129,7 @@ impl LearnedRule {
             .collect();
         let mut predictor = Predictor::learn(&points.body(nodes), &samples, tasks)?;
         predictor.keep(better(source, predictor.learned(), predictor.knows_blows()));
-        Ok(LearnedRule { predictor, recent: Mutex::default() })
+        Ok(LearnedRule { predictor, fields: Moves::of(source), recent: Mutex::default() })
     }
 
     /// The rule of a set from [`LearnedRule::to_bytes`].
@@ -119,7 +138,16 @@ impl LearnedRule {
     /// [`Error::Format`].
     pub(crate) fn from_bytes(source: &Source<'_>, bytes: &[u8]) -> Result<Self, Error> {
         let predictor = Predictor::from_bytes(&Points::of(source).body(source.nodes), bytes)?;
-        Ok(LearnedRule { predictor, recent: Mutex::default() })
+        let fields = Moves::of(source);
+        if predictor.learned().errors.len() != fields.0.len() {
+            let what = format!(
+                "baked set: the errors of section rule are {}; they must be {}, one an example that moves anything",
+                predictor.learned().errors.len(),
+                fields.0.len()
+            );
+            return Err(Error::Format { what });
+        }
+        Ok(LearnedRule { predictor, fields, recent: Mutex::default() })
     }
 
     /// What was learned, as section rule of a file has it.
@@ -154,7 +182,7 @@ impl LearnedRule {
             }
             recent.scratch.pop().unwrap_or_default()
         };
-        let expected_error = self.predictor.predict(hit, &mut scratch, &mut moved).expected_error;
+        let expected_error = self.predictor.predict(hit, &self.fields, &mut scratch, &mut moved).expected_error;
         // Numbers of a file may be anything finite.
         if moved.iter().any(|(_, u)| !u.is_finite()) {
             moved.clear();

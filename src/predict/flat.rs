@@ -3,7 +3,6 @@
 
 use super::features::{AXES, Points};
 use super::kernel::GROUPS;
-use super::own::OwnFields;
 use super::predictor::{Model, Part, Predictor, Typical};
 use super::size::SizeLaw;
 use super::stamp::{Frames, STAMP};
@@ -118,22 +117,6 @@ impl Flat<'_> {
         Ok(())
     }
 
-    fn own(&mut self, own: &mut OwnFields, points: usize) -> Result<(), Error> {
-        self.array(&mut own.starts)?;
-        self.array(&mut own.points)?;
-        self.array(&mut own.displacements)?;
-        self.numbers(&mut own.steps)?;
-        let moved = own.points.len();
-        length("a number of displacements", own.displacements.len(), moved)?;
-        length("a number of steps", own.steps.len() + 1, own.starts.len())?;
-        let rise = own.starts.windows(2).all(|pair| pair[0] <= pair[1]);
-        let ends = own.starts.first() == Some(&0) && own.starts.last().map(|end| *end as usize) == Some(moved);
-        if !rise || !ends || own.points.iter().any(|p| *p as usize >= points) {
-            return Err(wrong("the examples' own fields", "out of range", "points of the body, example by example"));
-        }
-        Ok(())
-    }
-
     /// Everything that does not follow from the body.
     fn rule(&mut self, p: &mut Predictor) -> Result<(), Error> {
         let points = p.points.len();
@@ -166,14 +149,19 @@ impl Flat<'_> {
         length("a number of shares", told.len(), 6)?;
         (learned.anchored, learned.stretch) = ([told[0], told[1]], [told[2], told[3]]);
         learned.mirrored = [told[4] != 0.0, told[5] != 0.0];
-        self.own(&mut p.own, points)?;
+        self.array(&mut p.order)?;
+        let samples = p.order.len();
+        let mut given: Vec<u32> = p.order.clone();
+        given.sort_unstable();
+        if samples != p.learned.errors.len() || !given.into_iter().eq(0..samples as u32) {
+            return Err(wrong("the order of the examples", format!("{samples} numbers"), "each of them once"));
+        }
         if displacements != 0.0 {
             self.model(p.displacement.get_or_insert_default(), points)?;
         }
         if blows != 0.0 {
             self.model(p.blow.get_or_insert_default(), points)?;
         }
-        let samples = p.own.steps.len();
         match p.displacement.iter().chain(&p.blow).flat_map(|m| &m.examples).find(|(e, _)| *e as usize >= samples) {
             Some((e, _)) => Err(wrong("an example", e, format!("below {samples}"))),
             None => Ok(()),
@@ -211,7 +199,7 @@ impl Predictor {
             typical: Typical::default(),
             blow: None,
             displacement: None,
-            own: OwnFields::default(),
+            order: Vec::new(),
             reach: 0.0,
             learned: Learned::default(),
         };

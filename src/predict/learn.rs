@@ -8,7 +8,6 @@ use super::kriging::Kriging;
 use super::linear::{add32, dot32};
 use super::lookup::{nearest, partners};
 use super::options::Learned;
-use super::own::OwnFields;
 use super::predictor::{Model, Part, Predictor, Typical, blow_point, displacement_point};
 use super::rank::{LowRank, gram};
 use super::size::SizeLaw;
@@ -93,8 +92,6 @@ fn learn(body: &Body<'_>, samples: &[Sample<'_>], tasks: &dyn TaskSystem) -> Res
         samples: ordered,
         typical,
     };
-    let mut own = OwnFields::default();
-    data.samples.iter().for_each(|s| own.push(s.field));
 
     let (displacement, mut mirrored) = (data.best_model(false, tasks), [false; 2]);
     let blow = data.best_model(true, tasks);
@@ -127,7 +124,7 @@ fn learn(body: &Body<'_>, samples: &[Sample<'_>], tasks: &dyn TaskSystem) -> Res
         typical,
         blow,
         displacement,
-        own,
+        order: order.iter().map(|i| *i as u32).collect(),
         reach: reach(body, &data.samples),
         learned,
     })

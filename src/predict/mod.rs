@@ -34,4 +34,5 @@ pub use body::{Body, Sample};
 pub use features::Strike;
 pub use hits::{Hit, Prediction, Told};
 pub use options::Learned;
+pub use own::Fields;
 pub use predictor::{Predictor, Scratch};

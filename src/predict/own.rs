@@ -55,43 +55,8 @@ pub(super) fn within_cones(points: &[Point], logs: &[f64], x: &Point, mut log: f
     log.min(high)
 }
 
-/// The examples' own fields: for each example the points that move, with their displacements.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct OwnFields {
-    /// For each example the first of its entries, and their number at the end.
-    pub starts: Vec<u32>,
-    pub points: Vec<u32>,
-    /// In units of the example's step.
-    pub displacements: Vec<[i16; 3]>,
-    /// m
-    pub steps: Vec<f32>,
-}
-
-impl OwnFields {
-    pub(super) fn push(&mut self, field: &[Vec3]) {
-        if self.starts.is_empty() {
-            self.starts.push(0);
-        }
-        let longest = field.iter().fold(0.0f32, |m, u| m.max(u.abs().max_element()));
-        let step = longest / 32767.0;
-        for (v, u) in field.iter().enumerate() {
-            let q = if step > 0.0 { (*u / step).round() } else { Vec3::ZERO };
-            if q != Vec3::ZERO {
-                self.points.push(v as u32);
-                self.displacements.push([q.x as i16, q.y as i16, q.z as i16]);
-            }
-        }
-        self.steps.push(step);
-        self.starts.push(self.points.len() as u32);
-    }
-
-    /// The moved points of example `i`, with their displacements, m.
-    pub(super) fn moved(&self, i: usize) -> impl Iterator<Item = (usize, Vec3)> + '_ {
-        let range = self.starts[i] as usize..self.starts[i + 1] as usize;
-        let step = self.steps[i];
-        self.points[range.clone()]
-            .iter()
-            .zip(&self.displacements[range])
-            .map(move |(p, [x, y, z])| (*p as usize, Vec3::new(f32::from(*x), f32::from(*y), f32::from(*z)) * step))
-    }
+/// The fields of the samples that a rule was learned from, which it does not keep.
+pub trait Fields {
+    /// Calls `f` with each point that the sample moves, and its displacement, m.
+    fn moved(&self, sample: usize, f: &mut dyn FnMut(usize, Vec3));
 }

@@ -4,7 +4,7 @@ use super::body::held;
 use super::features::{Point, Points, STRENGTH_AXIS, Strike, point};
 use super::kernel::{GROUPS, exp, matern};
 use super::options::Learned;
-use super::own::{self, OwnFields};
+use super::own::{self, Fields};
 use super::size::SizeLaw;
 use super::stamp::{Frames, STAMP, View, read};
 use super::{Blow, Hit, Prediction, Told};
@@ -116,7 +116,8 @@ pub struct Predictor {
     pub(super) typical: Typical,
     pub(super) blow: Option<Model>,
     pub(super) displacement: Option<Model>,
-    pub(super) own: OwnFields,
+    /// Of each example the sample that it was given as.
+    pub(super) order: Vec<u32>,
     /// The largest distance from a contact at which a sample moves by a hundredth of its longest displacement, m.
     pub(super) reach: f32,
     pub(super) learned: Learned,
@@ -187,12 +188,11 @@ impl Predictor {
     pub fn bytes(&self) -> usize {
         let part = |p: &Part| p.modes.len() * 4 + (p.coefficients.len() + p.mean.len()) * 8;
         let model = |m: &Model| part(&m.carried) + part(&m.anchored) + m.rows.len() * (2 * 104 + 8 * 3 + 8);
-        let own = self.own.points.len() * 10 + self.own.starts.len() * 8;
         let partners: usize = self.partners.iter().map(|(_, p)| 4 * p.len()).sum();
         self.points.len() * 24
             + self.held.len() * 4
             + partners
-            + own
+            + self.order.len() * 4
             + self.displacement.as_ref().map_or(0, model)
             + self.blow.as_ref().map_or(0, model)
     }
@@ -206,7 +206,15 @@ impl Predictor {
     /// Predicts the displacements (m) of the points that a hit moves, in ascending order of points. A blow that points
     /// out of the body, or is far weaker than all examples, leaves nothing. So does a blow if no sample knows one
     /// ([`Predictor::knows_blows`]).
-    pub fn predict(&self, hit: &Hit, scratch: &mut Scratch, out: &mut Vec<(u32, Vec3)>) -> Prediction {
+    ///
+    /// `fields` are those of the samples that it was learned from: a sample's own hit gives its field.
+    pub fn predict(
+        &self,
+        hit: &Hit,
+        fields: &dyn Fields,
+        scratch: &mut Scratch,
+        out: &mut Vec<(u32, Vec3)>,
+    ) -> Prediction {
         out.clear();
         let (place, normal, diagonal) = (hit.contact, hit.normal, self.diagonal);
         let (model, x, told) = match hit.told {
@@ -282,11 +290,11 @@ impl Predictor {
             let k = exact * exp(length) as f32;
             let partners = self.partners.iter().find(|(m, _)| *m == mirror && mirror != Mirror::NONE);
             s.field.iter_mut().for_each(|x| *x *= 1.0 - exact);
-            for (v, u) in self.own.moved(example as usize) {
-                let to = partners.map_or(v, |(_, p)| p[v] as usize);
-                let sum = Vec3::from_slice(&s.field[3 * to..]) + mirror.direction(u) * k;
-                s.field[3 * to..3 * to + 3].copy_from_slice(&sum.to_array());
-            }
+            let field = s.field.as_chunks_mut::<3>().0;
+            fields.moved(self.order[example as usize] as usize, &mut |v, u| {
+                let to = &mut field[partners.map_or(v, |(_, p)| p[v] as usize)];
+                *to = (Vec3::from_array(*to) + mirror.direction(u) * k).to_array();
+            });
             let squares: f64 = super::linear::dot32(&s.field, &s.field);
             let unit = (1.0 / squares.max(1e-30).sqrt()) as f32;
             s.field.iter_mut().for_each(|x| *x *= unit);

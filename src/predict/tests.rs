@@ -2,7 +2,7 @@
 
 use super::kernel::{Lengths, matern};
 use super::kriging::{Kriging, covariance};
-use super::{Blow, Body, Hit, Prediction, Predictor, Sample, Scratch, Told};
+use super::{Blow, Body, Fields, Hit, Prediction, Predictor, Sample, Scratch, Told};
 use crate::base::tasks::Serial;
 use crate::mesh::mirror::Mirror;
 use glam::Vec3;
@@ -89,25 +89,49 @@ impl Set {
             .collect()
     }
 
-    fn learn(&self, mirror: u8) -> Predictor {
-        Predictor::learn(&self.sheet.body(mirror), &self.samples(), &Serial).unwrap()
+    fn learn(&self, mirror: u8) -> Rule {
+        Predictor::learn(&self.sheet.body(mirror), &self.samples(), &Serial).map(|p| self.rule(p)).unwrap()
+    }
+
+    fn rule(&self, predictor: Predictor) -> Rule {
+        Rule { predictor, fields: self.fields.clone() }
     }
 }
 
-fn predict(p: &Predictor, hit: &Hit) -> (Prediction, Vec<Vec3>) {
+/// A rule and what it was learned from.
+struct Rule {
+    predictor: Predictor,
+    fields: Vec<Vec<Vec3>>,
+}
+
+impl std::ops::Deref for Rule {
+    type Target = Predictor;
+
+    fn deref(&self) -> &Predictor {
+        &self.predictor
+    }
+}
+
+impl Fields for Rule {
+    fn moved(&self, sample: usize, f: &mut dyn FnMut(usize, Vec3)) {
+        self.fields[sample].iter().enumerate().for_each(|(v, u)| f(v, *u));
+    }
+}
+
+fn predict(p: &Rule, hit: &Hit) -> (Prediction, Vec<Vec3>) {
     let (mut scratch, mut out) = (Scratch::default(), Vec::new());
-    let told = p.predict(hit, &mut scratch, &mut out);
+    let told = p.predict(hit, p, &mut scratch, &mut out);
     let mut field = vec![Vec3::ZERO; p.points.len()];
     out.iter().for_each(|(v, u)| field[*v as usize] = *u);
     (told, field)
 }
 
 /// What a blow of 5 kg leaves.
-fn hit(p: &Predictor, contact: Vec3, energy: f32) -> (Prediction, Vec<Vec3>) {
+fn hit(p: &Rule, contact: Vec3, energy: f32) -> (Prediction, Vec<Vec3>) {
     strike(p, contact, &blow(energy, 5.0))
 }
 
-fn strike(p: &Predictor, contact: Vec3, blow: &Blow) -> (Prediction, Vec<Vec3>) {
+fn strike(p: &Rule, contact: Vec3, blow: &Blow) -> (Prediction, Vec<Vec3>) {
     match p.strike(blow, Vec3::Z) {
         Some(strike) => predict(p, &Hit { contact, normal: Vec3::Z, told: Told::Strike(strike) }),
         None => (Prediction::default(), vec![Vec3::ZERO; p.points.len()]),
@@ -171,11 +195,14 @@ fn more_examples_predict_better() {
 fn the_order_of_samples_does_not_matter() {
     let set = Set::new(12);
     let mut samples = set.samples();
-    let one = Predictor::learn(&set.sheet.body(0), &samples, &Serial).unwrap();
+    let one = set.learn(0);
     samples.reverse();
-    let other = Predictor::learn(&set.sheet.body(0), &samples, &Serial).unwrap();
-    let at = Vec3::new(0.13, 0.02, 0.0);
-    assert_eq!(hit(&one, at, 33.0), hit(&other, at, 33.0));
+    let predictor = Predictor::learn(&set.sheet.body(0), &samples, &Serial).unwrap();
+    let other = Rule { predictor, fields: set.fields.iter().rev().cloned().collect() };
+    let (own, energy) = set.hits[4];
+    for (at, energy) in [(Vec3::new(0.13, 0.02, 0.0), 33.0), (own, energy)] {
+        assert_eq!(hit(&one, at, energy), hit(&other, at, energy));
+    }
     let errors: Vec<f32> = other.learned().errors.iter().rev().copied().collect();
     assert_eq!(one.learned().errors, errors);
 }
@@ -238,7 +265,7 @@ fn blows_out_of_the_body_and_weak_ones_leave_nothing() {
     }
     // Examples that know no blow: only displacements can be told.
     let samples: Vec<Sample> = set.samples().into_iter().map(|s| Sample { blow: None, ..s }).collect();
-    let p = Predictor::learn(&set.sheet.body(0), &samples, &Serial).unwrap();
+    let p = set.rule(Predictor::learn(&set.sheet.body(0), &samples, &Serial).unwrap());
     assert!(!p.knows_blows() && hit(&p, contact, 40.0).0.size == 0.0);
     let h = Hit { contact, normal: Vec3::Z, told: Told::Displacement(Vec3::NEG_Z * 0.01) };
     assert!(predict(&p, &h).0.size > 0.0);
@@ -271,7 +298,7 @@ proptest! {
 
     #[test]
     fn a_harder_blow_is_never_smaller(x in -0.45f32..0.45, y in -0.45f32..0.45, energy in 0.1f32..900.0, more in 1.0f32..8.0, near in 0usize..20) {
-        static LEARNED: std::sync::LazyLock<(Set, Predictor)> = std::sync::LazyLock::new(|| {
+        static LEARNED: std::sync::LazyLock<(Set, Rule)> = std::sync::LazyLock::new(|| {
             let mut set = Set::new(20);
             // Some contradict the others.
             set.fields[3].iter_mut().for_each(|u| *u *= 0.4);
