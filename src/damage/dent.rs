@@ -181,7 +181,7 @@ fn node_field(set: &ExampleSet, examples: &[PlacedExample], wide: f32) -> NodeFi
 fn moved(set: &ExampleSet, examples: &[PlacedExample], wide: f32, mesh: &MeshLod) -> Vec<(u32, Vec3)> {
     let mut placed = [None; MAX_PAIRS];
     examples.iter().zip(&mut placed).for_each(|(p, to)| *to = Carried::of(set, p, wide));
-    let mut moved = Vec::new();
+    let mut moved = Vec::with_capacity(mesh.vertex_count());
     for (block, bounds) in mesh.block_bounds.iter().enumerate() {
         let range = block_range(block, mesh.vertex_count());
         let mut sums: Sums = [[0.0; BLOCK]; 3];
