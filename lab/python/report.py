@@ -414,7 +414,7 @@ def speed(directory):
     t = read(directory, "speed_vertices.csv")
     if t is None:
         return ""
-    names = {"classic": "classic kernel", "f32": "Crumple, f32", "i16": "Crumple, 16 bit", "i8": "Crumple, 8 bit", "memcpy": "copying the positions"}
+    names = {"classic": "classic kernel", "crumple": "Crumple", "memcpy": "copying the positions"}
     methods = [m for m in names if t.where(method=m)]
     sizes = sorted({r["moved_vertices"] for r in t.rows})
 

@@ -7,9 +7,7 @@ from style import plt
 
 LOOK = {
     "classic": dict(color=style.CLASSIC, marker="s", label="literature's kernel"),
-    "f32": dict(color=style.OURS, marker="o", lw=2, label="Crumple, f32"),
-    "i16": dict(color=style.OURS_LIGHT, marker="D", lw=2, label="Crumple, 16 bit"),
-    "i8": dict(color=style.PEER, marker="^", lw=2, label="Crumple, 8 bit"),
+    "crumple": dict(color=style.OURS, marker="o", lw=2, label="Crumple"),
     "memcpy": dict(color=style.FLOOR, marker=".", ls="--", label="copying the positions"),
 }
 THREADS = {1: "one thread", 2: "two threads"}

@@ -8,11 +8,11 @@ use kiddo::ImmutableKdTree;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
+use super::baked;
 use super::measure::{Contender, Times, interleaved, timed};
 use super::reference::Memcpy;
 use super::report::{Aim, Row, Sense};
 use super::sheet::{Dent, Reach, Sheet};
-use super::width::baked;
 use super::{Bench, Size};
 
 const EXAMPLES: usize = 24;

@@ -6,12 +6,12 @@ use anyhow::Result;
 use crumple::{ExampleSet, Hit, InstanceOptions, Placement};
 
 use super::Bench;
+use super::baked;
 use super::deformed::Deformed;
 use super::measure::{Contender, interleaved};
 use super::report::{Aim, Row, Sense};
 use super::select::spread;
 use super::sheet::{Dent, Reach, Sheet};
-use super::width::baked;
 
 const BASE: usize = 50_000;
 const PROXY: usize = 500;

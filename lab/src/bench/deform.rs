@@ -8,8 +8,7 @@ use super::measure::{Contender, interleaved};
 use super::report::{Aim, Row, Sense};
 use super::sheet::{Dent, Reach, Sheet, own_marks};
 use super::sheets::{Measured, Sheets, of};
-use super::width::{Width, options};
-use super::{Bench, Size};
+use super::{Bench, Size, baked};
 
 /// Sizes, and on how many threads.
 const CASES: [(Size, usize); 3] = [(Size::K64, 1), (Size::M1, 1), (Size::M10, 2)];
@@ -21,33 +20,30 @@ pub fn one_example(bench: &Bench) -> Result<()> {
         }
         for (suffix, reach) in [("", Reach::Whole), ("_local", Reach::FIFTH)] {
             let case = format!("{}_t{threads}{suffix}", size.name());
-            if !Width::ALL.iter().any(|w| bench.wanted(&format!("deform_1ex_{}_{case}", w.name()))) {
+            let name = format!("deform_1ex_{case}");
+            if !bench.wanted(&name) {
                 continue;
             }
             let sheets = Sheets::build(size.vertices(), &[Dent { reach, ..Dent::whole([0.5; 2]) }], bench.tasks(2))?;
             let measured = sheets.measure(bench, &[threads])?;
+            let aim = match (reach, size) {
+                (Reach::Whole, Size::K64) => Some(1.0),
+                (Reach::Whole, _) => Some(1.4),
+                _ => None,
+            };
             for m in measured.iter().filter(|m| m.is_ours()) {
-                let local = reach != Reach::Whole;
-                rows(bench, &format!("deform_1ex_{}_{case}", m.method), m, &measured, size, local);
+                rows(bench, &name, m, &measured, aim);
             }
         }
     }
     Ok(())
 }
 
-fn rows(bench: &Bench, name: &str, m: &Measured, all: &[Measured], size: Size, local: bool) {
-    let in_cache = size == Size::K64;
-    let aims = match m.method {
-        _ if local => (None, None),
-        "i16" if !in_cache => (Some(2.5), Some(1.0)),
-        "i8" if !in_cache => (Some(3.5), Some(1.0)),
-        "i16" | "i8" => (Some(3.0), None),
-        _ => (None, None),
-    };
-    for (suffix, reference, aim) in [("", "classic", aims.0), ("_memcpy", "memcpy", aims.1)] {
+fn rows(bench: &Bench, name: &str, m: &Measured, all: &[Measured], aim: Option<f64>) {
+    for (suffix, reference, aim) in [("", "classic", aim), ("_memcpy", "memcpy", None)] {
         let row = Row::time(format!("{name}{suffix}"), &m.times, "ms");
-        let row = row.beside_time(reference, of(all, reference, m.threads), Sense::Speed).hash(m.hash);
-        bench.add(Row { aim: aim.map(Aim::AtLeast), ..row });
+        let row = row.beside_time(reference, of(all, reference, m.threads), Sense::Cost).hash(m.hash);
+        bench.add(Row { aim: aim.map(Aim::AtMost), ..row });
     }
 }
 
@@ -57,9 +53,9 @@ pub fn four_examples(bench: &Bench) -> Result<()> {
     let sheets = Sheets::build(Size::M1.vertices(), &dents, bench.tasks(2))?;
     let measured = sheets.measure(bench, &[1])?;
     for m in measured.iter().filter(|m| m.is_ours()) {
-        let row = Row::time(format!("deform_4ex_{}_1m_t1", m.method), &m.times, "ms");
+        let row = Row::time("deform_4ex_1m_t1", &m.times, "ms");
         let row = row.beside_time("classic x 4", of(&measured, "classic", 1), Sense::Speed).hash(m.hash);
-        bench.add(Row { aim: (m.method != "f32").then_some(Aim::AtLeast(3.0)), ..row });
+        bench.add(row.aim(Aim::AtLeast(3.0)));
     }
     Ok(())
 }
@@ -79,7 +75,7 @@ pub fn limits(bench: &Bench) -> Result<()> {
     let mut methods = Vec::new();
     for (name, mesh) in meshes {
         let examples = vec![sheet.example(&dent, Placement::Anchored)];
-        let options = SetOptions { mirror: false, ..options(Width::I16, dent.depth) };
+        let options = SetOptions { mirror: false, ..baked() };
         let set = ExampleSet::build(mesh, examples, options, bench.tasks(2))?.into();
         methods.push((name, Deformed::new(&set, InstanceOptions::default(), &own_marks(&set), false, bench.tasks(1))?));
     }
@@ -87,7 +83,7 @@ pub fn limits(bench: &Bench) -> Result<()> {
     let times = interleaved(&bench.plan, &mut contenders);
     drop(contenders);
     for ((name, method), own) in methods.iter_mut().zip(&times).skip(1) {
-        let row = Row::time(format!("limits_{name}_i16_{}_t1", size.name()), own, "ms");
+        let row = Row::time(format!("limits_{name}_{}_t1", size.name()), own, "ms");
         bench.add(row.beside_time("no limits", &times[0], Sense::Cost).hash(method.hash()));
     }
     Ok(())

@@ -147,8 +147,7 @@ mod tests {
     #[test]
     fn every_run_changes_every_vertex_that_the_marks_move() {
         let dent = Dent { reach: Reach::FIFTH, ..Dent::whole([0.5; 2]) };
-        let sets = Sheet::new(4096).sets(&[dent], &Serial).unwrap();
-        let set = &sets[0].1;
+        let set = &Sheet::new(4096).set(&[dent], &Serial).unwrap();
         let mut ours = Deformed::new(set, InstanceOptions::default(), &own_marks(set), false, &Serial).unwrap();
         let first = ours.hash();
         let before = ours.positions().to_vec();

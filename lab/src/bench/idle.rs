@@ -18,8 +18,7 @@ const VERTICES: usize = 20_000;
 /// A frame with all bodies, ten of which were hit, against one with only those ten.
 pub fn run(bench: &Bench) -> Result<()> {
     let dent = Dent { reach: Reach::FIFTH, ..Dent::whole([0.5; 2]) };
-    let sets = Sheet::new(VERTICES).sets(&[dent], bench.tasks(2))?;
-    let set = &sets[0].1;
+    let set = &Sheet::new(VERTICES).set(&[dent], bench.tasks(2))?;
     let (mut all, mut few) = (Fleet::new(set, BODIES, bench.tasks(1))?, Fleet::new(set, HIT, bench.tasks(1))?);
     let mut contenders = [Contender::new(|| all.frame()), Contender::new(|| few.frame())];
     let times = interleaved(&bench.plan, &mut contenders);

@@ -7,13 +7,13 @@ use crumple::{ExampleSet, Hit, InstanceOptions, Placement};
 use glam::Vec3;
 
 use super::Bench;
+use super::baked;
 use super::deformed::Deformed;
 use super::measure::{Contender, Plan, Times, interleaved, timed};
 use super::radial::RadialDent;
 use super::real::{EXAMPLES, bodies, finer, name};
 use super::reference::Classic;
 use super::report::{Aim, Row, Sense};
-use super::width::baked;
 use crate::accuracy::heldout;
 use crate::metric::median;
 use crate::scene;

@@ -14,26 +14,23 @@ use super::{Bench, Size};
 
 /// Ten impulses that repeat the ten marks of a body, against one of them; and ten on a fresh body, against one.
 pub fn batch(bench: &Bench) -> Result<()> {
-    let sets = Sheet::new(Size::K64.vertices()).sets(&overlapping(), bench.tasks(2))?;
-    for (width, set) in sets {
-        // As deep as ten dents may add up to: the limit must not be what is measured.
-        let options = InstanceOptions { depth_limit: Some(1.0), ..Default::default() };
-        let hit =
-            |e: &crumple::Example| Hit::displacement(e.contact_point().to_array(), e.contact_displacement().to_array());
-        let hits: Vec<Hit> = set.examples().iter().map(hit).collect();
-        let marks = own_marks(&set);
-        let tasks = bench.tasks(1);
-        for (name, before, aim) in [("batch_10", &marks[..], Some(Aim::AtMost(1.5))), ("batch_10_fresh", &[], None)] {
-            let mut bodies = [0, 1].map(|_| Deformed::new(&set, options, &[], false, tasks));
-            let [Ok(ten), Ok(one)] = &mut bodies else { anyhow::bail!("the body of {name} cannot be made") };
-            let mut contenders =
-                [Contender::new(|| ten.hit(before, &hits)), Contender::new(|| one.hit(before, &hits[..1]))];
-            let times = interleaved(&bench.plan, &mut contenders);
-            drop(contenders);
-            let name = if width.name() == "f32" { name.to_owned() } else { format!("{name}_{}", width.name()) };
-            let row = Row::time(name, &times[0], "µs").beside_time("one hit", &times[1], Sense::Cost);
-            bench.add(Row { aim, ..row.hash(ten.hash()) });
-        }
+    let set = Sheet::new(Size::K64.vertices()).set(&overlapping(), bench.tasks(2))?;
+    // As deep as ten dents may add up to: the limit must not be what is measured.
+    let options = InstanceOptions { depth_limit: Some(1.0), ..Default::default() };
+    let hit =
+        |e: &crumple::Example| Hit::displacement(e.contact_point().to_array(), e.contact_displacement().to_array());
+    let hits: Vec<Hit> = set.examples().iter().map(hit).collect();
+    let marks = own_marks(&set);
+    let tasks = bench.tasks(1);
+    for (name, before, aim) in [("batch_10", &marks[..], Some(Aim::AtMost(1.5))), ("batch_10_fresh", &[], None)] {
+        let mut bodies = [0, 1].map(|_| Deformed::new(&set, options, &[], false, tasks));
+        let [Ok(ten), Ok(one)] = &mut bodies else { anyhow::bail!("the body of {name} cannot be made") };
+        let mut contenders =
+            [Contender::new(|| ten.hit(before, &hits)), Contender::new(|| one.hit(before, &hits[..1]))];
+        let times = interleaved(&bench.plan, &mut contenders);
+        drop(contenders);
+        let row = Row::time(name, &times[0], "µs").beside_time("one hit", &times[1], Sense::Cost);
+        bench.add(Row { aim, ..row.hash(ten.hash()) });
     }
     Ok(())
 }
@@ -102,7 +99,7 @@ pub fn carried_set(vertices: usize, tasks: &dyn TaskSystem) -> Result<Arc<Exampl
     let sheet = Sheet::new(vertices);
     let dents = [[0.5, 0.5], [0.45, 0.55], [0.55, 0.5]].map(Dent::whole);
     let examples = dents.iter().map(|d| sheet.example(d, Placement::Carried)).collect();
-    let mut options = super::width::baked();
+    let mut options = super::baked();
     // Anchored copies of them are not wanted, and a bumpy sheet is no mirror image of itself.
     options.mirror = false;
     Ok(Arc::new(ExampleSet::build(sheet.surface(), examples, options, tasks)?))

@@ -6,12 +6,12 @@ use anyhow::{Context, Result, ensure};
 use crumple::{Blow, Deltas, ExampleSet, Hit, Instance, InstanceOptions, Mark, Placement, Serial, Striker, reorder};
 
 use super::Bench;
+use super::baked;
 use super::deformed::Deformed;
 use super::measure::{Contender, interleaved, timed};
 use super::real::all;
 use super::reference::{Classic, field};
 use super::report::{Aim, Row, Sense};
-use super::width::baked;
 
 /// Which of 64 hits is timed.
 const TIMED: [usize; 3] = [1, 9, 64];

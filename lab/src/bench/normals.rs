@@ -8,8 +8,7 @@ use super::marks::{carried_marks, carried_set};
 use super::measure::{Contender, interleaved};
 use super::report::{Aim, Row, Sense};
 use super::sheet::{Dent, Sheet, own_marks};
-use super::width::{Width, options};
-use super::{Bench, Size};
+use super::{Bench, Size, baked};
 
 /// One mark, K = 1, over all of the sheet, on one thread.
 pub fn run(bench: &Bench) -> Result<()> {
@@ -17,14 +16,11 @@ pub fn run(bench: &Bench) -> Result<()> {
     let mut cases = Vec::new();
     if bench.wanted("normals_anchored") {
         let (sheet, dent) = (Sheet::new(size.vertices()), Dent::whole([0.5; 2]));
-        for width in Width::ALL {
-            let examples = vec![sheet.example(&dent, Placement::Anchored)];
-            let options = crumple::SetOptions { mirror: false, ..options(width, dent.depth) };
-            let set = crumple::ExampleSet::build(sheet.surface(), examples, options, bench.tasks(2))?;
-            let marks = own_marks(&set);
-            let name = if width == Width::F32 { String::new() } else { format!("_{}", width.name()) };
-            cases.push((format!("normals_anchored{name}"), set.into(), marks));
-        }
+        let examples = vec![sheet.example(&dent, Placement::Anchored)];
+        let options = crumple::SetOptions { mirror: false, ..baked() };
+        let set = crumple::ExampleSet::build(sheet.surface(), examples, options, bench.tasks(2))?;
+        let marks = own_marks(&set);
+        cases.push(("normals_anchored".to_owned(), set.into(), marks));
     }
     if bench.wanted("normals_carried") {
         let set = carried_set(size.vertices(), bench.tasks(2))?;

@@ -11,11 +11,11 @@ use crumple::{
 };
 
 use super::Bench;
+use super::baked;
 use super::deformed::hash;
 use super::measure::{Contender, interleaved, timed};
 use super::report::{Aim, Row, Sense};
 use super::sheet::{Dent, Reach, Sheet};
-use super::width::{Width, options};
 
 const PARTS: usize = 12;
 const VERTICES: usize = 60_000;
@@ -116,8 +116,7 @@ pub fn run(bench: &Bench) -> Result<()> {
             contact: Some(Contact::Point(centre)),
             ..example
         };
-        let mut set =
-            ExampleSet::build(joined.clone(), vec![example], options(Width::I16, dent.depth), bench.tasks(2))?;
+        let mut set = ExampleSet::build(joined.clone(), vec![example], baked(), bench.tasks(2))?;
         for part in &parts {
             set.add_lod(part.clone(), bench.tasks(2))?;
         }

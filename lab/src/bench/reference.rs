@@ -1,10 +1,12 @@
 //! What every timing is held against: copying as many positions, and the literature's own kernel, well compiled.
 
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use anyhow::{Result, ensure};
-use crumple::{Example, ExampleSet, Hit, Instance, InstanceOptions, Rule, Selection, Serial, TaskSystem};
+use crumple::{
+    Example, ExampleSet, Hit, Instance, InstanceOptions, Placement, Rule, Selection, Serial, SetOptions, TaskSystem,
+};
 use glam::Vec3;
 
 use super::deformed::hash;
@@ -151,8 +153,10 @@ pub fn field(set: &ExampleSet, example: &Example) -> Vec<(u32, Vec3)> {
 pub fn verify() -> Result<()> {
     let dents = [Dent { reach: Reach::Disc(0.4), ..Dent::whole([0.4, 0.5]) }, Dent::whole([0.7, 0.6])];
     // So few that every vertex is a node, and shows what was given.
-    let sets = Sheet::new(2000).sets(&dents, &Serial)?;
-    let set = &sets[0].1;
+    let sheet = Sheet::new(2000);
+    let examples = dents.iter().map(|d| sheet.example(d, Placement::Anchored)).collect();
+    let exact = SetOptions { mirror: false, ..SetOptions::default() };
+    let set = &Arc::new(ExampleSet::build(sheet.points(), examples, exact, &Serial)?);
     let options =
         InstanceOptions { selection: Selection::ClassicUnclamped, ..InstanceOptions::classic(Rule::MostDisplaced) };
     let mut library = Instance::new(set.clone(), options)?;
@@ -191,8 +195,7 @@ mod tests {
 
     #[test]
     fn threads_change_no_bit() {
-        let sets = Sheet::new(2000).sets(&[Dent { reach: Reach::FIFTH, ..Dent::whole([0.5; 2]) }], &Serial).unwrap();
-        let set = &sets[0].1;
+        let set = &Sheet::new(2000).set(&[Dent { reach: Reach::FIFTH, ..Dent::whole([0.5; 2]) }], &Serial).unwrap();
         let pool = ThreadPool::new(3).unwrap();
         let (mut one, mut three) = (Classic::of_set(set, &Serial), Classic::of_set(set, &pool));
         one.run();

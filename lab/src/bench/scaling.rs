@@ -8,7 +8,6 @@ use super::measure::Times;
 use super::report::{Aim, Row, Sense};
 use super::sheet::Dent;
 use super::sheets::{Measured, Sheets, of};
-use super::width::Width;
 use super::{Bench, Size};
 use crate::table::{Table, num};
 
@@ -45,8 +44,7 @@ pub fn run(bench: &Bench, out: Option<&Path>) -> Result<()> {
     }
     let counts = super::thread_counts(bench.quick);
     for size in SIZES.into_iter().filter(|s| !bench.quick || s.vertices() <= 300_000) {
-        let names = Width::ALL.map(Width::name).into_iter().chain(["classic", "memcpy"]);
-        if !names.into_iter().any(|n| bench.wanted(&format!("scaling_{n}_{}_", size.name()))) {
+        if !["crumple", "classic", "memcpy"].iter().any(|n| bench.wanted(&format!("scaling_{n}_{}_", size.name()))) {
             continue;
         }
         let sheets = Sheets::build(size.vertices(), &[Dent::whole([0.5; 2])], bench.tasks(2))?;

@@ -7,10 +7,10 @@ use anyhow::Result;
 use crumple::{ExampleSet, Hit, Instance, InstanceOptions, Placement};
 use xxhash_rust::xxh3::Xxh3;
 
+use super::baked;
 use super::measure::{Contender, interleaved, timed};
 use super::report::{Aim, Row, Sense};
 use super::sheet::{Dent, Reach, Sheet};
-use super::width::baked;
 use super::{Bench, Size};
 
 const EXAMPLES: usize = 100;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use anyhow::Result;
 use crumple::{Contact, Deltas, ExampleData, ExampleSet, Mark, MeshData, Pair, Placement, SetOptions, TaskSystem};
 
-use super::width::{Width, options};
+use super::baked;
 
 /// A grid 1 m wide.
 #[derive(Debug, Clone, Copy)]
@@ -103,17 +103,12 @@ impl Sheet {
         }
     }
 
-    /// A set of these dents as anchored examples of the sheet without normals, for each width that the library has.
-    pub fn sets(&self, dents: &[Dent], tasks: &dyn TaskSystem) -> Result<Vec<(Width, Arc<ExampleSet>)>> {
-        let largest = dents.iter().map(|d| d.depth).fold(0.0, f32::max);
-        let mut sets = Vec::new();
-        for width in Width::ALL {
-            let examples = dents.iter().map(|d| self.example(d, Placement::Anchored)).collect();
-            // Anchored examples need no mirror planes, which are slow to look for in large meshes.
-            let options = SetOptions { mirror: false, ..options(width, largest) };
-            sets.push((width, Arc::new(ExampleSet::build(self.points(), examples, options, tasks)?)));
-        }
-        Ok(sets)
+    /// A set of these dents as anchored examples of the sheet without normals.
+    pub fn set(&self, dents: &[Dent], tasks: &dyn TaskSystem) -> Result<Arc<ExampleSet>> {
+        let examples = dents.iter().map(|d| self.example(d, Placement::Anchored)).collect();
+        // Anchored examples need no mirror planes, which are slow to look for in large meshes.
+        let options = SetOptions { mirror: false, ..baked() };
+        Ok(Arc::new(ExampleSet::build(self.points(), examples, options, tasks)?))
     }
 }
 
@@ -167,8 +162,7 @@ mod tests {
     #[test]
     fn marks_bring_an_example_back() {
         let dents = [Dent::whole([0.5; 2])];
-        let sets = Sheet::new(400).sets(&dents, &crumple::Serial).unwrap();
-        let set = &sets[0].1;
+        let set = &Sheet::new(400).set(&dents, &crumple::Serial).unwrap();
         let mut instance = crumple::Instance::new(set.clone(), Default::default()).unwrap();
         instance.set_marks(&own_marks(set)).unwrap();
         for v in 0..400 {

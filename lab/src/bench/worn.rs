@@ -6,11 +6,11 @@ use anyhow::Result;
 use crumple::{ExampleSet, Hit, Instance, InstanceOptions, Mark, Placement};
 
 use super::Bench;
+use super::baked;
 use super::deformed::Deformed;
 use super::measure::{Contender, interleaved};
 use super::real::{bodies, finer, name};
 use super::report::{Aim, Row, Sense};
-use super::width::baked;
 use crate::accuracy::heldout;
 use crate::scene;
 use crate::truth::{Body, Truth};

@@ -13,12 +13,12 @@ use super::literature::Literature;
 use super::recorded::{Output, Recorded, WORKGROUP};
 use super::scene::{Toggled, WEIGHT, anchored};
 use super::{Bench, Scale};
+use crate::bench::baked;
 use crate::bench::marks::carried_marks;
 use crate::bench::measure::{Contender, Times, timed};
 use crate::bench::reference::field;
 use crate::bench::report::Sense;
 use crate::bench::sheet::{Dent, Reach, Sheet, own_marks};
-use crate::bench::width::baked;
 
 /// Of each instance; fewer where only that it runs is of interest.
 const VERTICES: usize = 10_000;

@@ -7,8 +7,8 @@ use anyhow::Result;
 use crumple::{ExampleSet, Mark, Placement, SetOptions, TaskSystem};
 
 use super::recorded::{Cost, Recorded};
+use crate::bench::baked;
 use crate::bench::sheet::{Dent, Sheet};
-use crate::bench::width::{Width, options};
 
 /// Strengths of marks, neither nothing nor the whole (which need not be multiplied), as the CPU path's benchmark has them …
 pub const STRENGTHS: [f64; 2] = [0.9, 0.8];
@@ -19,9 +19,8 @@ pub const WEIGHT: f32 = 0.9;
 pub fn anchored(vertices: usize, dents: &[Dent], normals: bool, tasks: &dyn TaskSystem) -> Result<Arc<ExampleSet>> {
     let sheet = Sheet::new(vertices);
     let examples = dents.iter().map(|d| sheet.example(d, Placement::Anchored)).collect();
-    let largest = dents.iter().map(|d| d.depth).fold(0.0, f32::max);
     let mesh = if normals { sheet.surface() } else { sheet.points() };
-    let options = SetOptions { mirror: false, ..options(Width::I16, largest) };
+    let options = SetOptions { mirror: false, ..baked() };
     Ok(Arc::new(ExampleSet::build(mesh, examples, options, tasks)?))
 }
 
