@@ -140,10 +140,10 @@ fn plain(positions: &[Vec3]) -> &[[f32; 3]] {
     bytemuck::cast_slice(positions)
 }
 
-/// What an example moves.
+/// What an example moves by more than the set's tolerance: less is dropped where examples are stored whole.
 pub fn field(set: &ExampleSet, example: &Example) -> Vec<(u32, Vec3)> {
-    let delta = |v: u32| (v, example.delta(v));
-    (0..set.vertex_count() as u32).map(delta).filter(|(_, d)| *d != Vec3::ZERO).collect()
+    let (delta, least) = (|v: u32| (v, example.delta(v)), set.options().tolerance.unwrap_or(0.0));
+    (0..set.vertex_count() as u32).map(delta).filter(|(_, d)| d.length() > least).collect()
 }
 
 /// Holds the kernel against the library's own rule, hit by hit.
