@@ -131,8 +131,8 @@ typedef struct CrumpleExampleSetOptions {
     bool mirror;
     /// Fade carried dents to zero at boundary edges that no example moves. Default true.
     bool held_rims;
-    /// Keep the examples whole in baked bytes too, as CRUMPLE_RULE_MOST_DISPLACED and CRUMPLE_RULE_BLEND need them. Every example
-    /// then takes ten times the memory. Default false.
+    /// Keep the examples whole in baked bytes too, as CRUMPLE_RULE_MOST_DISPLACED and CRUMPLE_RULE_BLEND need them. An
+    /// example of a body of many vertices then takes ten times the memory. Default false.
     bool whole_examples;
 } CrumpleExampleSetOptions;
 

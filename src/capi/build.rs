@@ -72,8 +72,8 @@ pub struct CrumpleExampleSetOptions {
     pub mirror: MaybeUninit<bool>,
     /// Fade carried dents to zero at boundary edges that no example moves. Default true.
     pub held_rims: MaybeUninit<bool>,
-    /// Keep the examples whole in baked bytes too, as CRUMPLE_RULE_MOST_DISPLACED and CRUMPLE_RULE_BLEND need them. Every example
-    /// then takes ten times the memory. Default false.
+    /// Keep the examples whole in baked bytes too, as CRUMPLE_RULE_MOST_DISPLACED and CRUMPLE_RULE_BLEND need them. An
+    /// example of a body of many vertices then takes ten times the memory. Default false.
     pub whole_examples: MaybeUninit<bool>,
 }
 

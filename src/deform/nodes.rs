@@ -122,7 +122,7 @@ impl NodeState {
 
     /// Changes what a dent adds to the sums from a factor of its field to another.
     fn add(&mut self, field: &NodeField, factors: [f32; 2]) {
-        let per_step = factors.map(|factor| factor * (field.step() / self.unit));
+        let per_step = factors.map(|factor| (factor * (field.step() / self.unit)).clamp(f32::MIN, f32::MAX));
         let longest = self.longest;
         // The same numbers whenever the same dent comes or goes.
         let units = |x: i16, per_step: f32| small_whole((f32::from(x) * per_step).clamp(-longest, longest));

@@ -25,7 +25,7 @@ pub struct Example {
     pub(crate) max_depth: f32,
     pub(crate) support_radius: f32,
     pub(crate) moved: usize,
-    /// The length within which of the contact it moves vertices enough to be used there anchored, m.
+    /// Further from the contact it moves no vertex enough to be used there anchored, m.
     pub(crate) reach: f32,
     /// What it moves, whole; `None` in a set from a file without.
     pub(crate) whole: Option<Arc<DeltaBlocks>>,

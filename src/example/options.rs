@@ -41,7 +41,7 @@ pub struct SetOptions {
     pub held_rims: bool,
     /// Whether a baked file holds the examples whole, as the classic rules need them and
     /// [learning the basis again](crate::ExampleSet::learn_basis). Otherwise it holds what they move the nodes by, which is all that
-    /// hits need, and every example takes a tenth of the memory.
+    /// hits need: an example of a body of many vertices then takes a tenth of the memory.
     pub whole_examples: bool,
 }
 

@@ -46,7 +46,7 @@ pub struct Arguments {
     /// where vertices are wrong. Less takes more memory, and hits cost more. Give --reorder too
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     basis: Option<f32>,
-    /// Keep the examples whole, for the rules of the paper (`--rule` of `crumple apply`): ten times the memory for each example
+    /// Keep the examples whole, for the rules of the paper (`--rule` of `crumple apply`): on large bodies ten times the memory for each
     #[arg(long)]
     whole_examples: bool,
     /// File with closed solids that dents must not enter, such as a roll cage: every mesh of a glTF or GLB file, where its

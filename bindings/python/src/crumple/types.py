@@ -97,7 +97,7 @@ class SetOptions:
     held_rims: bool = True
     """Fade carried dents to zero at boundary edges that no example moves."""
     whole_examples: bool = False
-    """Keep the examples whole in baked bytes too, as the classic rules need them. Every example then takes ten times the memory."""
+    """Keep the examples whole in baked bytes too, as the classic rules need them. On large bodies an example then takes ten times the memory."""
 
 
 @dataclass(frozen=True)
