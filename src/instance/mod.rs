@@ -123,7 +123,7 @@ impl Instance {
                 ShapeState::Classic(ClassicState::new(&set)?)
             }
             Rule::MostDisplaced | Rule::Blend(_) => {
-                let what = "a classic rule with a set baked without whole examples; bake it with them, or build it";
+                let what = "a classic rule with a set baked without whole examples; bake it with whole_examples (--whole-examples)";
                 return Err(Error::Unsupported { what: what.into() });
             }
         };

@@ -287,7 +287,7 @@ fn stamps(text: &mut String, set: &ExampleSet) -> Result<()> {
         writeln!(
             text,
             "\n  {held} of {} hold the tolerance when carried. {name} is off by up to {} mm: no grid of up to {} nodes a side \
-             is finer. Anchored, every example holds it.",
+             is finer.",
             count(all.len(), "stamp", "stamps"),
             millimetres(off(worst)),
             set.options().stamp_resolution
