@@ -19,6 +19,7 @@ use super::vulkan_types::{
 };
 #[cfg(feature = "vulkan")]
 use crate::base::tasks::TaskSystem;
+#[cfg(feature = "vulkan")]
 use crate::vulkan::{RecordJob, SemaphoreId, vk, vk::Handle};
 use std::ffi::c_void;
 use std::mem::MaybeUninit;
