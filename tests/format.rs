@@ -250,6 +250,21 @@ fn a_damaged_file_says_what_is_wrong() {
     assert_eq!(e.kind(), ErrorKind::Format);
 }
 
+/// Found by fuzzing: such a slope is longer than floats tell.
+#[test]
+fn slopes_of_any_size_leave_normals_finite() {
+    let mut file = scenes::sheet_set().save().unwrap();
+    let word = |file: &[u8], at: usize| u64::from_le_bytes(file[at..at + 8].try_into().unwrap()) as usize;
+    let id = |at: &usize| file[*at..*at + 4] == 37u32.to_le_bytes();
+    let entry = (HEADER..).step_by(ENTRY).find(id).unwrap();
+    let (from, length) = (word(&file, entry + 8), word(&file, entry + 16));
+    for unit in file[from..from + length].chunks_exact_mut(4) {
+        unit.copy_from_slice(&1e38f32.to_le_bytes());
+    }
+    baked::repair(&mut file);
+    assert!(baked::load_and_use(file));
+}
+
 #[test]
 fn a_wrong_blow_is_named() {
     let (_, set) = &small_sets()[0];

@@ -216,7 +216,7 @@ pub(super) unsafe fn kept_share<S: Simd>(s: V<S>, limit: Option<f32>, own: Optio
     }
 }
 
-/// The unit vector along `n + change`; `n` itself if `sum` is zero or the result is too short.
+/// The unit vector along `n + change`; `n` itself if `sum` is zero or the result is too short, or longer than floats tell.
 #[inline(always)]
 pub(super) unsafe fn normal<S: Simd>(n: V<S>, sum: V<S>, change: V<S>) -> V<S> {
     // SAFETY: guaranteed by the caller.
@@ -225,7 +225,7 @@ pub(super) unsafe fn normal<S: Simd>(n: V<S>, sum: V<S>, change: V<S>) -> V<S> {
         let same = S::both(S::equal(sum[0], zero), S::both(S::equal(sum[1], zero), S::equal(sum[2], zero)));
         let v = add::<S>(n, change);
         let square = dot::<S>(v, v);
-        let long = S::greater(square, S::splat(1e-12));
+        let long = S::both(S::greater(square, S::splat(1e-12)), S::greater(S::splat(1e38), square));
         let v = scaled::<S>(v, S::div(S::splat(1.0), S::sqrt(square)));
         select::<S>(same, n, select::<S>(long, v, n))
     }

@@ -239,7 +239,7 @@ fn write_tangent(t: TargetWork, vertex: u32, v: vec4<f32>) {
 fn normal_of(n: vec3<f32>, sum: vec3<f32>, change: vec3<f32>) -> vec3<f32> {
     let v = n + change;
     let square = dot3(v, v);
-    if all(sum == vec3(0.0)) || !(square > 1e-12) {
+    if all(sum == vec3(0.0)) || !(square > 1e-12 && square < 1e38) {
         return n;
     }
     return v * (1.0 / sqrt(square));
