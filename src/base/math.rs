@@ -157,6 +157,16 @@ pub(crate) fn nearest_whole(x: f64) -> i32 {
     (x + MAGIC).to_bits() as i32
 }
 
+/// The largest number that [`small_whole`] rounds.
+pub(crate) const MOST_WHOLE: i32 = 1 << 22;
+
+/// The same of numbers up to [`MOST_WHOLE`], negative or not.
+#[inline]
+pub(crate) fn small_whole(x: f32) -> i32 {
+    const MAGIC: f32 = 12_582_912.0; // 1.5 * 2^23
+    (x + MAGIC).to_bits() as i32 - MAGIC.to_bits() as i32
+}
+
 /// Four points, worked on side by side: x, y and z of each.
 pub(crate) type Four = [Vec4; 3];
 

@@ -1,11 +1,11 @@
 //! A displacement field as the nodes that it moves.
 
-use super::{ONE, Rows};
+use super::Rows;
 use crate::base::math::nearest_whole;
 use glam::Vec3;
 
-/// The largest number of steps.
-const MOST: f32 = 32767.0;
+/// The largest number of steps along an axis.
+pub(crate) const MOST: f32 = 32767.0;
 
 /// A displacement in steps of this length, both in m, rounded to the nearest.
 pub(crate) fn in_steps(u: Vec3, step: f32) -> [i16; 3] {
@@ -88,14 +88,12 @@ impl NodeField {
     pub(crate) fn at_vertex(&self, rows: &Rows, v: u32) -> Vec3 {
         // Most nodes of a vertex lie in the group of the one before.
         let (mut group, mut moves) = (u32::MAX, None);
-        rows.of(v).fold(Vec3::ZERO, |sum, (node, w)| {
+        rows.at_vertex(v, |node| {
             if group_of(node) != group {
                 group = group_of(node);
                 moves = self.groups.binary_search(&group).ok().map(|at| &self.moves[at]);
             }
-            let Some(moves) = moves else { return sum };
-            let u = [0, 1, 2].map(|k| moves[k][node as usize % GROUP]);
-            sum + self.metres(u) * (w as f32 / ONE as f32)
+            moves.map_or(Vec3::ZERO, |moves| self.metres([0, 1, 2].map(|k| moves[k][node as usize % GROUP])))
         })
     }
 

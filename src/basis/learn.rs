@@ -213,6 +213,11 @@ impl Rows {
         let weights = self.weights_of(tile).chunks_exact(2 * TILE).flat_map(move |p| [p[2 * lane], p[2 * lane + 1]]);
         self.nodes_of(tile).iter().copied().zip(weights.map(i32::from)).filter(|(_, w)| *w != 0)
     }
+
+    /// What a vertex is displaced by where its nodes are by `of_node`, m.
+    pub(crate) fn at_vertex(&self, v: u32, mut of_node: impl FnMut(u32) -> Vec3) -> Vec3 {
+        self.of(v).fold(Vec3::ZERO, |sum, (node, w)| sum + of_node(node) * (w as f32 / ONE as f32))
+    }
 }
 
 /// The elements of these vertices.

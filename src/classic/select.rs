@@ -17,8 +17,8 @@ pub(crate) struct Weighted {
 /// length of the target over that of the example's displacement (Eq. 4.7), at most 1 if `clamp`.
 pub(crate) fn select_by_cosine(set: &ExampleSet, target: &HitTarget, clamp: bool) -> Option<Weighted> {
     let mut best: Option<(f32, usize, Vec3)> = None;
-    for (i, e) in set.examples().iter().enumerate() {
-        let d = e.delta(target.contact);
+    for (i, whole) in set.base_lod().anchored.iter().enumerate() {
+        let d = whole.delta(target.contact);
         let length = d.length();
         if length > 0.0 {
             let cos = d.dot(target.direction) / length;

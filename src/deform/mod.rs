@@ -120,9 +120,10 @@ pub(crate) fn write_outputs(
     {
         let slots = Scattered::new(&mut bounds);
         let outputs = &*outputs;
-        let workers = tasks.workers();
-        let chunk = total.div_ceil(workers.max(1) * TASKS_A_WORKER).clamp(1, BLOCKS_A_TASK);
-        let chunk = if workers > 1 { chunk } else { total.max(1) };
+        let chunk = match tasks.workers() {
+            0 | 1 => total.max(1),
+            workers => total.div_ceil(workers * TASKS_A_WORKER).clamp(1, BLOCKS_A_TASK),
+        };
         run_each(tasks, total.div_ceil(chunk), &|t| {
             let from = t * chunk;
             let mut scratch =

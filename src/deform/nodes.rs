@@ -4,8 +4,9 @@
 //! taken away again, and the sums have the same bits whatever happened before.
 
 use super::view::{NodeSteps, NodeView};
+use crate::base::math::{MOST_WHOLE, small_whole};
 use crate::basis::FREE;
-use crate::basis::field::{GROUP, NodeField};
+use crate::basis::field::{GROUP, MOST, NodeField};
 use crate::damage::list::Damage;
 use crate::damage::mark::Mark;
 use std::cmp::Ordering;
@@ -54,7 +55,7 @@ impl NodeState {
             step: 0.0,
             limit: 0.0,
             most: MOST_LIMITS * own_limit,
-            longest: (i32::MAX / dents.max(1) as i32).min(MOST_UNITS) as f32,
+            longest: (i32::MAX / dents.max(1) as i32).min(MOST_WHOLE) as f32,
             is_touched: Vec::new(),
         }
     }
@@ -146,16 +147,6 @@ impl NodeState {
     }
 }
 
-/// The largest number of units that [`small_whole`] rounds.
-const MOST_UNITS: i32 = 1 << 22;
-
-/// The nearest whole number, the even one of two that are as near, of one up to [`MOST_UNITS`]: added to this constant, it is in the
-/// lowest bits.
-fn small_whole(x: f32) -> i32 {
-    const MAGIC: f32 = 12_582_912.0; // 1.5 * 2^23
-    (x + MAGIC).to_bits() as i32 - MAGIC.to_bits() as i32
-}
-
 /// The displacements of a group's nodes, which approach the depth limit instead of being cut to it, so that many dents leave no
 /// plateau: up to [`FREE`] of the limit they are the sums, beyond it they grow ever more slowly. Only IEEE operations.
 fn in_steps_of(sums: &[[i32; GROUP]; 3], unit: f32, limit: f32, step: f32) -> [NodeSteps; GROUP] {
@@ -168,7 +159,7 @@ fn in_steps_of(sums: &[[i32; GROUP]; 3], unit: f32, limit: f32, step: f32) -> [N
         let shorter = (free + rest * (beyond / (rest + beyond))) / length;
         // A length that overflows is cut.
         let factor = if length > free && length < f32::INFINITY { shorter } else { 1.0 };
-        let u = u.map(|x| small_whole((x * factor / step).clamp(-MOST_STEPS, MOST_STEPS)));
+        let u = u.map(|x| small_whole((x * factor / step).clamp(-MOST, MOST)));
         let [x, y, z] = u.map(|x| x as f32);
         let length = (x * x + y * y + z * z).sqrt();
         let near = small_whole(length);
@@ -177,9 +168,6 @@ fn in_steps_of(sums: &[[i32; GROUP]; 3], unit: f32, limit: f32, step: f32) -> [N
     }
     std::array::from_fn(|i| steps.each_ref().map(|along| along[i]))
 }
-
-/// The largest number of steps along an axis.
-const MOST_STEPS: f32 = 32767.0;
 
 /// Nodes move no further than this many times the set's own depth limit, whatever that of the instance: so that steps stay fine.
 const MOST_LIMITS: f32 = 16.0;

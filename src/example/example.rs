@@ -5,7 +5,7 @@ use super::blow::Blow;
 use super::data::Placement;
 use super::stamp::Stamp;
 use crate::base::math::tangent_basis;
-use crate::basis::{ONE, Rows};
+use crate::basis::Rows;
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -102,7 +102,7 @@ impl Example {
         let Some((nodes, rows)) = &self.followed else {
             return self.whole.as_ref().map_or(Vec3::ZERO, |whole| whole.delta(v));
         };
-        rows.of(v).fold(Vec3::ZERO, |sum, (node, w)| sum + nodes.delta(node) * (w as f32 / ONE as f32))
+        rows.at_vertex(v, |node| nodes.delta(node))
     }
 
     /// The displacement that a hit on vertex `v`, at position `p` (m), is compared with when the example is used
