@@ -28,7 +28,7 @@ pub fn hoods(bench: &Bench) -> Result<()> {
     }
     let whole = Arc::new(whole);
     let blows = blows(&whole, 2 * FRAMES * HITS_A_FRAME);
-    let mut crowd = Crowd::new(&whole, 1..PARTS + 1)?;
+    let mut crowd = Crowd::new(&whole, BODIES, 1..PARTS + 1)?;
     let frames = blows.chunks(HITS_A_FRAME).enumerate().map(|(i, hits)| crowd.frame(i, hits));
     let times: Vec<f64> = frames.skip(FRAMES).collect();
     let (mean, times) = (times.iter().sum::<f64>() / FRAMES as f64, Times::new(times));
@@ -43,7 +43,7 @@ pub fn hoods(bench: &Bench) -> Result<()> {
 pub fn drums(bench: &Bench) -> Result<()> {
     let drum = Arc::new(set(bench, "drum", Way::Nearest)?);
     let hits = hits(&drum, BODIES + MARKS);
-    let mut saved = Crowd::new(&drum, 0..0)?;
+    let mut saved = Crowd::new(&drum, BODIES, 0..0)?;
     for (body, instance) in saved.instances.iter_mut().enumerate() {
         instance.set_marks(&made(&drum, InstanceOptions::default(), &hits[body..][..MARKS])?)?;
     }
@@ -53,7 +53,7 @@ pub fn drums(bench: &Bench) -> Result<()> {
             continue;
         }
         let restore = |_| {
-            let mut crowd = Crowd::new(&drum, 0..1)?;
+            let mut crowd = Crowd::new(&drum, BODIES, 0..1)?;
             let tasks = bench.tasks(threads);
             let start = Instant::now();
             load_all(&mut crowd.instances.iter_mut().collect::<Vec<_>>(), &saved, tasks)?;
@@ -87,8 +87,8 @@ fn quarters(positions: &[glam::Vec3], triangles: &[[u32; 3]]) -> Vec<MeshData> {
 }
 
 /// Bodies and their outputs: positions and normals of some of the set's meshes.
-struct Crowd {
-    instances: Vec<Instance>,
+pub struct Crowd {
+    pub instances: Vec<Instance>,
     /// Of each body in turn, one for each mesh.
     outputs: Vec<Output>,
     meshes: usize,
@@ -103,15 +103,15 @@ struct Output {
 
 impl Crowd {
     /// All at rest and written.
-    fn new(set: &Arc<ExampleSet>, lods: std::ops::Range<usize>) -> Result<Self> {
+    pub fn new(set: &Arc<ExampleSet>, bodies: usize, lods: std::ops::Range<usize>) -> Result<Self> {
         let instance = |_| Instance::new(set.clone(), InstanceOptions::default());
-        let instances = (0..BODIES).map(instance).collect::<Result<Vec<_>, _>>()?;
+        let instances = (0..bodies).map(instance).collect::<Result<Vec<_>, _>>()?;
         let output = |lod| -> Result<Output> {
             let rest = vec![[0.0; 3]; set.lod_mesh(lod)?.positions().len()];
             Ok(Output { lod, tracker: Tracker::new(), positions: rest.clone(), normals: rest })
         };
         let meshes = lods.len();
-        let outputs = (0..BODIES).flat_map(|_| lods.clone().map(output)).collect::<Result<_>>()?;
+        let outputs = (0..bodies).flat_map(|_| lods.clone().map(output)).collect::<Result<_>>()?;
         let mut crowd = Self { instances, outputs, meshes };
         crowd.deform(&Serial);
         Ok(crowd)
@@ -129,7 +129,11 @@ impl Crowd {
         start.elapsed().as_secs_f64()
     }
 
-    fn deform(&mut self, tasks: &dyn TaskSystem) {
+    pub fn positions(&self) -> Vec<[f32; 3]> {
+        self.outputs.iter().flat_map(|output| output.positions.iter().copied()).collect()
+    }
+
+    pub fn deform(&mut self, tasks: &dyn TaskSystem) {
         let mut jobs = Vec::with_capacity(self.outputs.len());
         for (i, Output { lod, tracker, positions, normals }) in self.outputs.iter_mut().enumerate() {
             let memory = VertexMemory::separate(positions, Some(normals), None).unwrap_or_else(|e| panic!("{e}"));

@@ -3,15 +3,14 @@
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
+use std::time::Duration;
 
 use anyhow::{Result, bail, ensure};
-use crumple::{
-    Contact, DeformJob, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData, Placement, Serial,
-    Tracker, VertexMemory, deform,
-};
+use crumple::{Contact, Deltas, ExampleData, ExampleSet, Hit, MeshData, Placement, Serial};
 
 use super::Bench;
 use super::baked;
+use super::crowd::Crowd;
 use super::deformed::hash;
 use super::measure::{Contender, interleaved, timed};
 use super::report::{Aim, Row, Sense};
@@ -20,55 +19,15 @@ use super::sheet::{Dent, Reach, Sheet};
 const PARTS: usize = 12;
 const VERTICES: usize = 60_000;
 
-/// A body and its outputs.
-struct Outputs {
-    instance: Instance,
-    outputs: Vec<Output>,
-}
-
-struct Output {
-    lod: usize,
-    tracker: Tracker,
-    positions: Vec<[f32; 3]>,
-    normals: Vec<[f32; 3]>,
-}
-
-impl Outputs {
-    fn new(set: &Arc<ExampleSet>, lods: impl Iterator<Item = usize>) -> Result<Self> {
-        let output = |lod| -> Result<Output> {
-            let rest = vec![[0.0; 3]; set.lod_mesh(lod)?.positions().len()];
-            Ok(Output { lod, tracker: Tracker::new(), positions: rest.clone(), normals: rest })
-        };
-        let outputs = lods.map(output).collect::<Result<_>>()?;
-        Ok(Self { instance: Instance::new(set.clone(), InstanceOptions::default())?, outputs })
-    }
-
-    /// Repairs the body, then times a hit from its submission to all vertices.
-    fn hit(&mut self, hit: &Hit) -> std::time::Duration {
-        self.instance.reset();
-        self.deform();
-        timed(|| {
-            self.instance.submit(hit).unwrap_or_else(|e| panic!("{e}"));
-            self.instance.fold();
-            self.deform();
-        })
-    }
-
-    fn deform(&mut self) {
-        let instance = &self.instance;
-        let outputs = self.outputs.iter_mut();
-        let mut jobs: Vec<DeformJob> = outputs
-            .map(|Output { lod, tracker, positions, normals }| {
-                let memory = VertexMemory::separate(positions, Some(normals.as_mut_slice()), None);
-                DeformJob { lod: *lod, instance, tracker, memory: memory.unwrap_or_else(|e| panic!("{e}")) }
-            })
-            .collect();
-        deform(&mut jobs, &Serial).unwrap_or_else(|e| panic!("{e}"));
-    }
-
-    fn positions(&self) -> Vec<[f32; 3]> {
-        self.outputs.iter().flat_map(|output| output.positions.iter().copied()).collect()
-    }
+/// Repairs a body, then times a hit from its submission to all vertices.
+fn hit(body: &mut Crowd, hit: &Hit) -> Duration {
+    body.instances[0].reset();
+    body.deform(&Serial);
+    timed(|| {
+        body.instances[0].submit(hit).unwrap_or_else(|e| panic!("{e}"));
+        body.instances[0].fold();
+        body.deform(&Serial);
+    })
 }
 
 /// The vertices of each part: whole rows of the sheet. The last row of a part is the first of the next.
@@ -121,9 +80,9 @@ pub fn run(bench: &Bench) -> Result<()> {
             set.add_lod(part.clone(), bench.tasks(2))?;
         }
         let set = Arc::new(set);
-        let (mut one, mut many) = (Outputs::new(&set, 0..1)?, Outputs::new(&set, 1..PARTS + 1)?);
-        let hit = Hit::displacement(centre, [0.0, 0.0, -0.04]);
-        let mut contenders = [Contender::new(|| many.hit(&hit)), Contender::new(|| one.hit(&hit))];
+        let (mut one, mut many) = (Crowd::new(&set, 1, 0..1)?, Crowd::new(&set, 1, 1..PARTS + 1)?);
+        let push = Hit::displacement(centre, [0.0, 0.0, -0.04]);
+        let mut contenders = [Contender::new(|| hit(&mut many, &push)), Contender::new(|| hit(&mut one, &push))];
         let times = interleaved(&bench.plan, &mut contenders);
         drop(contenders);
         ensure!(one.positions() == many.positions(), "{name}: the parts do not have the vertices of the whole");
