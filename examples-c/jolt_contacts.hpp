@@ -7,8 +7,11 @@
 #include <Jolt/Jolt.h>
 
 #include <Jolt/Physics/Body/Body.h>
+#include <Jolt/Physics/Collision/CastResult.h>
 #include <Jolt/Physics/Collision/ContactListener.h>
 #include <Jolt/Physics/Collision/EstimateCollisionResponse.h>
+#include <Jolt/Physics/Collision/RayCast.h>
+#include <Jolt/Physics/Collision/Shape/SphereShape.h>
 
 #include <algorithm>
 #include <cmath>
@@ -43,13 +46,16 @@ private:
         point.bodies[0] = instance_of(a);
         point.bodies[1] = instance_of(b);
         if (point.bodies[0].generation == 0 && point.bodies[1].generation == 0) return;
-        JPH::CollisionEstimationResult estimate;
-        JPH::EstimateCollisionResponse(a, b, manifold, estimate, 0, 0);
+        const Reach reach(a, b, manifold, seconds_);
         const JPH::Vec3 normal = manifold.mWorldSpaceNormal; // from a to b
+        JPH::ContactManifold there = manifold;
+        there.mBaseOffset -= reach.way;
+        JPH::CollisionEstimationResult estimate;
+        JPH::EstimateCollisionResponse(a, b, there, estimate, 0, 0);
         float impulse = 0, weighted = 0;
         for (JPH::uint i = 0; i < estimate.mImpulses.size(); ++i) {
             impulse += estimate.mImpulses[i].mContactImpulse;
-            weighted += estimate.mImpulses[i].mContactImpulse * approach(a, b, manifold, i);
+            weighted -= estimate.mImpulses[i].mContactImpulse * reach.velocity(a, b, manifold.GetWorldSpaceContactPointOn1(i)).Dot(normal);
         }
         if (impulse <= 0 || weighted <= 0) return;
         const uint64_t numbers[] = {a.GetID().GetIndexAndSequenceNumber(), b.GetID().GetIndexAndSequenceNumber()};
@@ -59,23 +65,50 @@ private:
         point.masses[1] = mass_of(b);
         point.inverse_mass = weighted / (impulse * impulse);
         point.has_velocity = true;
+        tell_shape(*a.GetShape(), point, 0);
+        tell_shape(*b.GetShape(), point, 1);
         CrumpleContactPointDef points[64];
         size_t count = 0;
         for (JPH::uint i = 0; i < manifold.mRelativeContactPointsOn1.size(); ++i) {
             const JPH::RVec3 on_a = manifold.GetWorldSpaceContactPointOn1(i), on_b = manifold.GetWorldSpaceContactPointOn2(i);
+            const JPH::Vec3 velocity = reach.velocity(a, b, on_a);
             // Jolt tells of points that are near. Those that do not meet within the step do not touch.
-            if (JPH::Vec3(on_b - on_a).Dot(normal) > approach(a, b, manifold, i) * seconds_) continue;
+            if (JPH::Vec3(on_b - on_a).Dot(normal) > -velocity.Dot(normal) * seconds_) continue;
             point.point = to_crumple(JPH::Vec3(on_a));
-            point.velocity = to_crumple(b.GetPointVelocity(on_a) - a.GetPointVelocity(on_a));
+            point.velocity = to_crumple(velocity);
             points[count++] = point;
         }
         // A callback must not throw; what is wrong is counted by the next report.
         if (count > 0 && !context_.report_contacts(points, count).ok()) JPH::Trace("Crumple: %s", crumple_last_error());
     }
 
-    static float approach(const JPH::Body &a, const JPH::Body &b, const JPH::ContactManifold &manifold, JPH::uint i) {
-        const JPH::RVec3 place = manifold.GetWorldSpaceContactPointOn1(i);
-        return (a.GetPointVelocity(place) - b.GetPointVelocity(place)).Dot(manifold.mWorldSpaceNormal);
+    // Continuous collision detection tells of a contact before it moves the body there, and levers must be those at the contact.
+    struct Reach {
+        JPH::Vec3 way = JPH::Vec3::sZero();
+        bool is_a = true;
+
+        Reach(const JPH::Body &a, const JPH::Body &b, const JPH::ContactManifold &manifold, float seconds) {
+            is_a = a.GetCenterOfMassPosition() == manifold.mBaseOffset;
+            const JPH::Body &cast = is_a ? a : b, &other = is_a ? b : a;
+            if (!cast.IsDynamic() || cast.GetMotionProperties()->GetMotionQuality() != JPH::EMotionQuality::LinearCast) return;
+            // From a point of the body that touches, back to where that point is now.
+            const JPH::Vec3 left = (cast.GetLinearVelocity() - other.GetLinearVelocity()) * seconds;
+            const JPH::Vec3 in = manifold.mWorldSpaceNormal * (is_a ? -1e-3f : 1e-3f);
+            const JPH::RRayCast back(manifold.GetWorldSpaceContactPointOn1(0) + in, -left);
+            JPH::RayCastResult hit;
+            if (cast.GetTransformedShape().CastRay(back, hit)) way = left * hit.mFraction;
+        }
+
+        // Of b relative to a.
+        JPH::Vec3 velocity(const JPH::Body &a, const JPH::Body &b, JPH::RVec3Arg place) const {
+            return b.GetPointVelocity(is_a ? place : place - way) - a.GetPointVelocity(is_a ? place - way : place);
+        }
+    };
+    // Examples tell what struck them, and a set predicts better if hits do, too.
+    static void tell_shape(const JPH::Shape &shape, CrumpleContactPointDef &point, int side) {
+        if (shape.GetSubType() != JPH::EShapeSubType::Sphere) return;
+        point.shapes[side] = CRUMPLE_STRIKER_SHAPE_BALL;
+        point.radii[side] = static_cast<const JPH::SphereShape &>(shape).GetRadius();
     }
     CrumpleInstance instance_of(const JPH::Body &body) const {
         const auto found = instances_.find(body.GetID().GetIndexAndSequenceNumber());

@@ -54,6 +54,8 @@ public:
         point.velocity = to_crumple(relative);
         point.masses[0] = mass_of(a);
         point.masses[1] = mass_of(b);
+        tell_shape(a, point, 0);
+        tell_shape(b, point, 1);
     }
 
     // Call it after dWorldStep() or dWorldQuickStep(), before you destroy the joints.
@@ -78,6 +80,12 @@ private:
 
     // A number that the geom keeps.
     uint32_t number(dGeomID geom) { return numbers_.emplace(geom, uint32_t(numbers_.size())).first->second; }
+    // Examples tell what struck them, and a set predicts better if hits do, too.
+    static void tell_shape(dGeomID geom, CrumpleContactPointDef &point, int side) {
+        if (dGeomGetClass(geom) != dSphereClass) return;
+        point.shapes[side] = CRUMPLE_STRIKER_SHAPE_BALL;
+        point.radii[side] = float(dGeomSphereGetRadius(geom));
+    }
     CrumpleInstance instance_of(dGeomID geom) const {
         const auto found = instances_.find(geom);
         return found == instances_.end() ? CrumpleInstance{} : found->second;

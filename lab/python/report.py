@@ -160,10 +160,12 @@ def engine(directory):
     t = read(directory, "told_engine.csv")
     if t is None or "striker" not in t.rows[0]:
         return ""
-    names = {(truth, body): name for truth, body, _, _, name in EVERY_BODY}
+    names = {(truth, body): name for truth, body, name in LEARNING}
+    most = {(r["truth"], r["body"]): r["examples"] for r in t.rows}
     rows = []
-    for key in dict.fromkeys((r["truth"], r["body"], r["examples"], r["engine"], r["striker"]) for r in t.rows):
-        truth, body, n, engine, striker = key
+    for key in dict.fromkeys((r["truth"], r["body"], r["engine"], r["striker"]) for r in t.rows):
+        truth, body, engine, striker = key
+        n = most[truth, body]
         by_rate = {r["hz"]: r for r in t.where(truth=truth, body=body, examples=n, engine=engine, striker=striker)}
         first = next(iter(by_rate.values()))
         cells = [f"{number(r['rel_l2_median'])} / {number(r['rel_l2_p90'])}" for r in by_rate.values()]
@@ -172,23 +174,37 @@ def engine(directory):
         rows.append([names[truth, body], f"{n:.0f}", engine, striker, told_blow, *cells, apart])
     missed = sum(r["missed"] for r in t.rows)
     lines = []
-    for striker in ("ball", "box"):
-        of = [r for r in t.rows if r["striker"] == striker]
-        most = max(abs(r["rel_l2_median"] - r["told_blow_median"]) for r in of)
-        apart = max(r["rates_apart_median"] for r in of)
-        lines.append(f"- A {striker}: the median is at most {number(most)} from \"told the blow\"; the dents of the three rates are at most {number(100 * apart, 1)} % apart in the median.")
+    for engine, striker in dict.fromkeys((r["engine"], r["striker"]) for r in t.rows):
+        of = t.where(engine=engine, striker=striker)
+        off = [abs(r["rel_l2_median"] - r["told_blow_median"]) for r in of]
+        apart = [r["rates_apart_median"] for r in of]
+        within, close = (sum(x <= most for x in of) for of, most in ((off, 0.03), (apart, 0.05)))
+        lines.append(
+            f"| {engine} | {striker} | {within} of {len(of)} | {number(max(off))} | {close} of {len(of)} | {number(100 * max(apart), 1)} |"
+        )
     head = ["impacts", "examples", "engine", "striker", "told the blow", "30 Hz", "60 Hz", "240 Hz", "rates apart, %"]
     engines = ", ".join(dict.fromkeys(r["engine"] for r in t.rows))
     return f"""### A real engine's contacts, end to end
 
-Each hit runs again in a physics engine ({engines}), body fixed, striker with continuous collision detection. The body is the truth's mesh. The engine's contact
-points go through the contact layer with its defaults, and what it makes of them is all that Crumple is told. The striker is the truth's ball, or a box of
-the same mass with half the ball's radius as half its edge, which lands flat: a manifold of up to four points. The ball's radius is known, and the box's is not.
-{missed:.0f} of {sum(r["n"] for r in t.rows):.0f} throws left nothing. "Rates apart" is the deepest of a hit's dents at the three rates over the shallowest, median / 90th percentile.
-The truth's box is left out, because poles strike it too.
+Each hit that no set knows runs again in a physics engine ({engines}), body fixed, striker with continuous collision detection. The body is the truth's
+mesh, and its set has learned. The engine's contact points go through the contact layer with its defaults, and what it makes of them is all
+that Crumple is told. The striker is the truth's ball, or a box of the same mass with half the ball's radius as half its edge, which lands flat: a manifold of
+up to four points. The ball's radius is known, and the box's is not. Hits by poles are left out. {missed:.0f} of {sum(r["n"] for r in t.rows):.0f} throws left
+nothing. "Rates apart" is the deepest of a hit's dents at the three rates over the shallowest, median / 90th percentile.
+
+Aims: the median error within .03 of "told the blow", and the rates within 5 % of each other. Reached with 24 and with up to 100 examples:
+
+| engine | striker | rows within .03 | furthest off | rows within 5 % | furthest apart, % |
+|---|---|---|---|---|---|
+{chr(10).join(lines)}
+
+Most of what is left is where the engine touches: the next vertex of the mesh, 2 cm away. Boxes are often nearer to the truth than "told the
+blow", because a set that is not told the radius takes a typical one. Jolt's continuous collision detection stops a box that lands flat at the first
+triangle, where it begins to turn; so its energy comes in parts that depend on the rate.
+
+With as many examples as a body has, at most 100:
 
 {table(head, rows)}
-{chr(10).join(lines)}
 
 """
 

@@ -86,9 +86,9 @@ pub struct Options {
 pub struct ContactsOptions {
     #[command(flatten)]
     all: Options,
-    /// The program of lab/bullet; without it, Bullet is left out
-    #[arg(long, value_name = "PROGRAM")]
-    bullet: Option<PathBuf>,
+    /// Folder of the programs of lab/throws; engines without one are left out
+    #[arg(long, value_name = "DIR")]
+    throws: Option<PathBuf>,
     /// Fail where the figures are worse than what the engines reach
     #[arg(long)]
     check: bool,
@@ -104,7 +104,7 @@ fn main() -> Result<()> {
         #[cfg(feature = "engines")]
         Part::Peers(options) => peers::run(&options),
         #[cfg(feature = "engines")]
-        Part::Contacts(options) => peers::contacts(&options.all, options.bullet.as_deref(), options.check),
+        Part::Contacts(options) => peers::contacts(&options.all, options.throws.as_deref(), options.check),
         Part::Pictures(options) => pictures::run(&options),
         Part::Speed(options) => bench::speed(&options),
         Part::Bench(options) => bench::run(&options),

@@ -4,11 +4,14 @@ use std::sync::Arc;
 
 use anyhow::Result;
 use crumple::{
-    Blow, Contact, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData, Placement, Serial,
-    SetOptions, Striker, StrikerShape, Tracker, VertexMemory,
+    BasisOptions, Blow, Contact, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData, Placement,
+    Serial, SetOptions, Striker, StrikerShape, Tracker, VertexMemory,
 };
 
 use crate::truth::{self, Body, Field, Impact};
+
+/// Of the nodes that vertices follow, m.
+const TOLERANCE: f32 = 5e-4;
 
 pub fn mesh(body: &Body) -> MeshData {
     MeshData {
@@ -48,6 +51,14 @@ pub fn blow(known: &truth::Blow) -> Blow {
 /// A set of the first `count` training impacts.
 pub fn set(body: &Body, count: usize, placement: Placement, options: SetOptions) -> Result<Arc<ExampleSet>> {
     Ok(Arc::new(ExampleSet::build(mesh(body), examples(body, count, placement), options, &Serial)?))
+}
+
+/// A set of the first `count` training impacts whose vertices follow nodes, so that it can learn from all of its examples.
+pub fn with_nodes(body: &Body, count: usize) -> Result<ExampleSet> {
+    let examples = examples(body, count, Placement::Automatic);
+    let mut set = ExampleSet::build(mesh(body), examples, SetOptions::default(), &Serial)?;
+    set.learn_basis(&BasisOptions::new(TOLERANCE), &Serial)?;
+    Ok(set)
 }
 
 /// What an engine would report: the contact point and the displacement wanted there.

@@ -33,7 +33,7 @@ const OUTPUTS: f64 = 20.0;
 const STARTS: [f64; 3] = [0.0, 0.5, 1.0];
 
 /// Expected logarithms of lengths and noise: the size, the carried and the anchored part.
-const SIZE: Lengths = Lengths { lengths: [-1.386, 0.0, 1.792, 1.792, 1.792, 1.099, 0.693], noise: -2.0 };
+const SIZE: Lengths = Lengths { lengths: [-1.386, 0.0, 1.792, 1.792, 3.0, 1.099, 0.693], noise: -2.0 };
 const CARRIED: Lengths = Lengths { lengths: [0.0, 0.405, 1.099, 1.609, 1.099, 0.0, 0.405], noise: -1.0 };
 const ANCHORED: Lengths = Lengths { lengths: [-1.386, 0.405, 1.099, 1.609, 1.099, 1.099, 0.693], noise: -3.0 };
 /// Expected logarithm of the length of a lean.

@@ -12,8 +12,8 @@ const KNOT: f64 = 0.9;
 const MOST_KNOTS: usize = 12;
 /// Least exponent of the strength, so that a harder hit is never smaller.
 const LEAST_SLOPE: f64 = 0.1;
-/// Precision of the prior on the exponents.
-const PRECISION: f64 = 0.5;
+/// Precision of the prior on the exponents of strength, mass and radius. Examples have nearly the same radius, which moves little.
+const PRECISION: [f64; 3] = [0.5, 0.5, 5.0];
 
 /// The logarithm of the size of a field.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -47,7 +47,7 @@ impl SizeLaw {
                 (0..4).for_each(|j| a[i * 4 + j] += x[i] * x[j]);
             }
         }
-        (0..4).for_each(|i| a[i * 5] += if i == 0 { 1e-6 } else { PRECISION });
+        (0..4).for_each(|i| a[i * 5] += if i == 0 { 1e-6 } else { PRECISION[i - 1] });
         solve(&mut a, &mut law, 4, 1);
         let law = [law[0], (law[1] + exponent).max(LEAST_SLOPE), law[2], law[3]];
         let base = |p: &Point| row(p).iter().zip(law).map(|(x, b)| x * b).sum::<f64>();

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use crumple::{ContactLayer, ContactOptions, ContactPoint, ContactReport, Error, Inbox};
+use crumple::{ContactLayer, ContactOptions, ContactPoint, ContactReport, Error, Inbox, StrikerShape};
 use rapier3d::prelude::*;
 
 pub struct RapierContacts {
@@ -71,7 +71,10 @@ impl RapierContacts {
                 point.impulse = Some(contact.data.impulse);
                 point.velocity = Some(velocity.to_array());
                 point.masses = parents.map(mass);
-                point.radii = both.map(|collider| collider.shape().as_ball().map(|ball| ball.radius));
+                // Examples tell what struck them, and a set predicts better if hits do, too.
+                let balls = both.map(|collider| collider.shape().as_ball());
+                point.radii = balls.map(|ball| ball.map(|ball| ball.radius));
+                point.shapes = balls.map(|ball| ball.map_or(StrikerShape::Unknown, |_| StrikerShape::Ball));
                 self.points.push(point);
             }
         }

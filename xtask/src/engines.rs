@@ -1,7 +1,7 @@
-//! Physics engines whose contacts go through the contact layer: Jolt on the demo's hood, and rapier and Bullet on the truths' hits.
+//! Physics engines whose contacts go through the contact layer: Jolt on the demo's hood, and rapier, Bullet and Jolt on the truths' hits.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use xshell::cmd;
@@ -9,6 +9,7 @@ use xshell::cmd;
 use crate::lab;
 use crate::native::{self, Build};
 use crate::stage::{Outcome, all_passed};
+use crate::tools::Tool;
 use crate::workspace::{Workspace, empty_directory};
 
 /// The crate that has Jolt's source. Nothing links with the crate itself.
@@ -16,20 +17,35 @@ const JOLT: &str = "joltc-sys";
 const JOLT_VERSION: &str = "=0.3.1";
 
 pub fn stage(workspace: &Workspace) -> Result<Outcome> {
-    all_passed(vec![("Jolt", jolt(workspace)), ("the truths in rapier and Bullet", truths(workspace))])?;
+    let programs = throws(workspace)?;
+    all_passed(vec![
+        ("Jolt", jolt(workspace, &programs)),
+        ("the truths in all engines", truths(workspace, &programs)),
+    ])?;
     Ok(Outcome::Passed)
 }
 
-fn jolt(workspace: &Workspace) -> Result<()> {
+/// Builds lab/throws and the examples that need Jolt against the installed library. Returns the folder of the programs. Bullet is left
+/// out where it is not installed.
+pub fn throws(workspace: &Workspace) -> Result<PathBuf> {
+    if !Tool::Bullet.here(workspace) {
+        println!("Bullet is left out: on Debian, apt-get install libbullet-dev pkg-config");
+    }
     let prefix = native::release_prefix(workspace)?;
     let source = format!("-DCRUMPLE_JOLT={}", jolt_source(workspace)?.display());
-    let directory = workspace.target.join("ctest/jolt");
-    let build = Build { options: &[&source], ..Build::new("jolt", &prefix) };
-    native::configure(workspace, &build, &workspace.path("examples-c"), &directory)?;
+    let directory = workspace.target.join("throws");
+    let build = Build { options: &[&source], ..Build::new("throws", &prefix) };
+    native::compile(workspace, &build, &workspace.path("lab/throws"), &directory)?;
     let (sh, jobs) = (&workspace.shell, native::jobs());
     cmd!(sh, "cmake --build {directory} --config RelWithDebInfo --target jolt_crash --parallel {jobs}")
         .ignore_stdout()
         .run()?;
+    Ok(directory)
+}
+
+fn jolt(workspace: &Workspace, programs: &Path) -> Result<()> {
+    let directory = programs.join("examples-c");
+    let sh = &workspace.shell;
     Ok(cmd!(sh, "ctest --test-dir {directory} --tests-regex ^jolt_crash$ --verbose --no-tests=error").run()?)
 }
 
@@ -52,9 +68,8 @@ fn jolt_source(workspace: &Workspace) -> Result<PathBuf> {
     Ok(file.with_file_name("JoltC").join("JoltPhysics"))
 }
 
-fn truths(workspace: &Workspace) -> Result<()> {
+fn truths(workspace: &Workspace, programs: &Path) -> Result<()> {
     let program = lab::program(workspace, &["--features", "engines"])?;
-    let throws = lab::throws(workspace)?.map(|program| format!("--bullet={}", program.display()));
     let out = workspace.target.join("lab-engines");
-    Ok(cmd!(workspace.shell, "{program} contacts --check {throws...} --out {out}").run()?)
+    Ok(cmd!(workspace.shell, "{program} contacts --check --throws {programs} --out {out}").run()?)
 }

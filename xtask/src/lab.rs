@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use xshell::cmd;
 
-use crate::native::{self, Build};
+use crate::engines;
 use crate::python;
 use crate::tools::Tool;
 use crate::workspace::{Workspace, empty_directory};
@@ -75,9 +75,9 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
         timed(part.name, || {
             let quick = options.quick.then_some("--quick");
             if let Some(subcommand) = part.measures {
-                let bullet = if part.name == "contacts" { throws(workspace)? } else { None };
-                let bullet = bullet.map(|program| format!("--bullet={}", program.display()));
-                cmd!(sh, "{program} {subcommand} {bullet...} {quick...} --out {out}").quiet().run()?;
+                let throws = if part.name == "contacts" { Some(engines::throws(workspace)?) } else { None };
+                let throws = throws.map(|folder| format!("--throws={}", folder.display()));
+                cmd!(sh, "{program} {subcommand} {throws...} {quick...} --out {out}").quiet().run()?;
             }
             if let Some(script) = part.script {
                 let path = script_path(workspace, script);
@@ -97,18 +97,6 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
     }
     println!("== lab: {} after {:.0} s", out.display(), start.elapsed().as_secs_f64());
     Ok(())
-}
-
-/// Builds lab/bullet against the installed library. `None` without Bullet.
-pub fn throws(workspace: &Workspace) -> Result<Option<PathBuf>> {
-    if !Tool::Bullet.here(workspace) {
-        println!("Bullet is left out: on Debian, apt-get install libbullet-dev pkg-config");
-        return Ok(None);
-    }
-    let prefix = native::release_prefix(workspace)?;
-    let directory = workspace.target.join("lab-bullet");
-    native::compile(workspace, &Build::new("lab", &prefix), &workspace.path("lab/bullet"), &directory)?;
-    Ok(Some(directory.join("throw")))
 }
 
 /// Builds the lab with these features and returns its program.

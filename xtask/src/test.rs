@@ -78,10 +78,10 @@ const STAGES: &[Stage] = &[
     },
     Stage {
         name: "engines",
-        shows: "Jolt's contacts dent a hood, and every truth's hits thrown in rapier and Bullet leave what their blows leave",
+        shows: "every truth's hits thrown in rapier, Bullet and Jolt leave what their blows leave",
         needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake, Tool::Bullet],
         wants: &[],
-        leaves: &["jolt", "ctest/jolt"],
+        leaves: &["jolt", "throws"],
         run: engines::stage,
     },
     Stage {

@@ -5,9 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::Result;
-use crumple::{
-    BasisOptions, ExampleSet, Hit, Instance, InstanceOptions, Placement, Rule, Selection, Serial, SetOptions,
-};
+use crumple::{Hit, Instance, InstanceOptions, Placement, Rule, Selection, Serial, SetOptions};
 
 use super::law::{Law, Sees};
 use super::radial::Radial;
@@ -19,8 +17,6 @@ use crate::truth::{Body, Field, Impact, Truth};
 
 /// Hits that leave less than this at the contact are left out, m.
 const WEAK: f64 = 2e-3;
-/// Of the nodes that vertices follow, m.
-const TOLERANCE: f32 = 5e-4;
 /// Above every dent, m.
 const DEEP: f32 = 1.0;
 /// Largest number of examples of a quick run.
@@ -122,7 +118,7 @@ fn case(body: &Body, options: &Options, table: &mut Table) -> Result<()> {
                 Some(blow) if blows => Hit::blow(i.point, scene::blow(&blow.in_engine())),
                 _ => scene::hit(i),
             };
-            let (fields, costs) = learned(&automatic, &hits.iter().map(|i| hit(i)).collect::<Vec<_>>())?;
+            let (fields, costs) = learned(&known, &hits.iter().map(|i| hit(i)).collect::<Vec<_>>())?;
             add("learned", &fields, &costs)?;
             let ours = InstanceOptions { depth_limit: Some(DEEP), ..InstanceOptions::default() };
             let fields = hits.iter().map(|i| scene::field_after(&automatic, &ours, &[hit(i)]));
@@ -153,10 +149,9 @@ fn case(body: &Body, options: &Options, table: &mut Table) -> Result<()> {
 }
 
 /// The fields of a set that has learned from all of its examples.
-fn learned(set: &ExampleSet, hits: &[Hit]) -> Result<(Vec<Field>, Costs)> {
-    let mut set = ExampleSet::load_copy(&set.save()?, &Serial)?;
+fn learned(body: &Body, hits: &[Hit]) -> Result<(Vec<Field>, Costs)> {
     let start = Instant::now();
-    set.learn_basis(&BasisOptions::new(TOLERANCE), &Serial)?;
+    let mut set = scene::with_nodes(body, body.train.len())?;
     let before = set.memory_bytes();
     let left_out = set.learn_rule(&Serial)?.errors.into_iter().map(f64::from).collect();
     let mut costs = Costs { learn_s: start.elapsed().as_secs_f64(), left_out, ..Costs::default() };
