@@ -26,7 +26,9 @@ impl<'a> Command<'a> {
         match profile {
             Profile::Debug => workspace.build_as_tested(&["--bin", "crumple"]).run()?,
             Profile::Dist => return Self::handed_out(workspace, &Target::host(workspace)?),
-            Profile::Release => workspace.cargo(&["build", "--release", "--bin", "crumple"]).args(release).run()?,
+            Profile::Release => {
+                workspace.cargo_anywhere(&["build", "--release", "--bin", "crumple"])?.args(release).run()?
+            }
         }
         let program = workspace.target.join(profile.directory()).join("crumple");
         let program = program.with_extension(std::env::consts::EXE_EXTENSION);

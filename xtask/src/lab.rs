@@ -101,7 +101,7 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
 
 /// Builds the lab with these features and returns its program.
 pub fn program(workspace: &Workspace, features: &[&str]) -> Result<PathBuf> {
-    workspace.cargo(&["build", "--release", "--package", "crumple-lab"]).args(features).run()?;
+    workspace.cargo_anywhere(&["build", "--release", "--package", "crumple-lab"])?.args(features).run()?;
     Ok(workspace.target.join("release/crumple-lab").with_extension(std::env::consts::EXE_EXTENSION))
 }
 

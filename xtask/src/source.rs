@@ -64,7 +64,9 @@ pub fn conan(workspace: &Workspace) -> Result<Outcome> {
     // Cargo finds the dependencies that the installer built.
     let _flags = sh.push_env("CARGO_ENCODED_RUSTFLAGS", workspace.anywhere()?.join("\u{1f}"));
     let target = workspace.target.display();
-    let target = format!("tools.cmake.cmaketoolchain:extra_variables={{'CRUMPLE_CARGO_TARGET_DIR': '{target}'}}");
+    // In the cache: CMake would prefer the default there to a plain variable.
+    let target = format!("{{'value': '{target}', 'cache': True, 'type': 'PATH', 'docstring': 'Cargo'}}");
+    let target = format!("tools.cmake.cmaketoolchain:extra_variables={{'CRUMPLE_CARGO_TARGET_DIR': {target}}}");
     cmd!(sh, "{conan} profile detect").quiet().ignore_stdout().ignore_stderr().run()?;
     cmd!(sh, "{conan} create {root} --test-folder {client} --conf {target}").ignore_stdout().run()?;
     Ok(Outcome::Passed)

@@ -77,14 +77,6 @@ const STAGES: &[Stage] = &[
         run: package::stage,
     },
     Stage {
-        name: "engines",
-        shows: "every truth's hits thrown in rapier, Bullet and Jolt leave what their blows leave",
-        needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake, Tool::Bullet],
-        wants: &[],
-        leaves: &["jolt", "throws"],
-        run: engines::stage,
-    },
-    Stage {
         name: "abi",
         shows: "programs built against the last release fit the header of today",
         needs: &[Tool::CCompiler, Tool::Abigail],
@@ -171,6 +163,14 @@ const STAGES: &[Stage] = &[
         wants: &[],
         leaves: &["i686-unknown-linux-gnu"],
         run: platforms::i686,
+    },
+    Stage {
+        name: "engines",
+        shows: "every truth's hits thrown in rapier, Bullet and Jolt leave what their blows leave",
+        needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake, Tool::Bullet],
+        wants: &[],
+        leaves: &["jolt", "throws"],
+        run: engines::stage,
     },
     Stage {
         name: "demo",

@@ -61,15 +61,13 @@ impl Workspace {
 
     /// The flags of such a build for the compiler.
     pub fn anywhere(&self) -> Result<Vec<String>> {
-        // Each registry has a folder, which exists once a package came from it.
-        self.cargo(&["fetch", "--quiet"]).quiet().run()?;
         let from = |path: PathBuf, to: &str| format!("--remap-path-prefix={}={to}", path.display());
         let mut flags = vec![
             from(self.root.clone(), "/crumple"),
             from(self.sysroot()?.join("lib/rustlib/src/rust"), "/rustc"),
             from(cargo_home()?, "/cargo"),
         ];
-        // The last remapping that fits counts.
+        // The last remapping that fits counts. Each registry has a folder, which exists because this program's packages came from there.
         for registry in std::fs::read_dir(cargo_home()?.join("registry/src"))? {
             flags.push(from(registry?.path(), SOURCES));
         }

@@ -143,7 +143,9 @@ pub fn run(options: &Options, programs: Option<&Path>, check: bool) -> Result<()
         let hits = body.heldout.iter().chain(&body.play).filter_map(|i| Some((i, i.blow?.in_engine())));
         let hits: Vec<(&Impact, truth::Blow)> = hits.filter(|(_, blow)| !blow.pole).take(most).collect();
         let shape = mesh(&body)?;
-        for examples in EXAMPLES.map(|n| n.min(body.train.len())) {
+        // A check is done with the smaller sets, which learn sooner.
+        let counts = if check { &EXAMPLES[..1] } else { &EXAMPLES[..] };
+        for examples in counts.iter().map(|n| (*n).min(body.train.len())) {
             let mut set = scene::with_nodes(&body, examples)?;
             set.learn_rule(&Serial)?;
             let set = Arc::new(set);
