@@ -1,16 +1,11 @@
 //! A displacement field as the nodes that it moves.
 
 use super::Rows;
-use crate::base::math::nearest_whole;
+use crate::base::math::small_whole;
 use glam::Vec3;
 
 /// The largest number of steps along an axis.
 pub(crate) const MOST: f32 = 32767.0;
-
-/// A displacement in steps of this length, both in m, rounded to the nearest.
-pub(crate) fn in_steps(u: Vec3, step: f32) -> [i16; 3] {
-    (u / step).to_array().map(|x| nearest_whole(x.clamp(-MOST, MOST).into()) as i16)
-}
 
 /// Nodes in a group.
 pub(crate) const GROUP: usize = 32;
@@ -27,23 +22,30 @@ pub(crate) struct NodeField {
 }
 
 impl NodeField {
-    /// The field of these nodes, ascending, with finite displacements, m.
-    pub(crate) fn new(moved: &[(u32, Vec3)]) -> Self {
-        let longest = moved.iter().fold(0.0f32, |m, (_, u)| m.max(u.abs().max_element()));
+    /// The field of groups of nodes, ascending, with finite displacements, m. Groups that do not move are left out.
+    pub(crate) fn new(groups: &[(u32, [[f32; GROUP]; 3])]) -> Self {
+        let each: Vec<f32> = groups.iter().map(|(_, u)| longest_of(u)).collect();
+        let longest = each.iter().fold(0.0, |longest: f32, x| longest.max(*x));
         let step = (longest / MOST).max(f32::MIN_POSITIVE);
-        let chunks = || moved.chunk_by(|a, b| group_of(a.0) == group_of(b.0));
-        let count = chunks().count();
-        let (mut groups, mut moves) = (Vec::with_capacity(count), Vec::with_capacity(count));
-        for own in chunks() {
-            let mut group = [[0; GROUP]; 3];
-            for (n, u) in own {
-                let at = *n as usize % GROUP;
-                group.iter_mut().zip(in_steps(*u, step)).for_each(|(along, x)| along[at] = x);
-            }
-            groups.extend(own.first().map(|(n, _)| group_of(*n)));
-            moves.push(group);
+        let steps = |x: f32| small_whole((x / step).clamp(-MOST, MOST)) as i16;
+        let moving = || groups.iter().zip(&each).filter(|(_, longest)| **longest > 0.0).map(|(group, _)| group);
+        NodeField {
+            groups: moving().map(|(group, _)| *group).collect(),
+            moves: moving().map(|(_, u)| u.map(|along| along.map(steps))).collect(),
+            step,
         }
-        NodeField { groups: groups.into(), moves: moves.into(), step }
+    }
+
+    /// The field of all nodes, with finite displacements, m.
+    pub(crate) fn of(nodes: &[Vec3]) -> Self {
+        let groups = (0..).zip(nodes.chunks(GROUP).map(|nodes| {
+            let mut group = [[0.0; GROUP]; 3];
+            for (i, u) in nodes.iter().enumerate() {
+                (0..3).for_each(|k| group[k][i] = u[k]);
+            }
+            group
+        }));
+        Self::new(&groups.collect::<Vec<_>>())
     }
 
     /// The nodes that it moves and their displacements, m.
@@ -103,6 +105,15 @@ impl NodeField {
     }
 }
 
+/// The largest coordinate without its sign.
+fn longest_of(group: &[[f32; GROUP]; 3]) -> f32 {
+    let mut most = [0.0f32; GROUP];
+    for along in group {
+        most.iter_mut().zip(along).for_each(|(most, x)| *most = if x.abs() > *most { x.abs() } else { *most });
+    }
+    most.iter().fold(0.0, |most, x| x.max(most))
+}
+
 fn group_of(node: u32) -> u32 {
     node / GROUP as u32
 }
@@ -113,13 +124,14 @@ mod tests {
 
     #[test]
     fn displacements_are_rounded_to_a_32767th_of_the_longest() {
-        let moved = [(2, Vec3::new(0.1, -0.05, 0.0)), (5, Vec3::splat(1e-9)), (9, Vec3::Z * 0.01)];
-        let field = NodeField::new(&moved);
-        assert!(field.moved().map(|(n, _)| n).eq([2, 9]), "what rounds to nothing is left out");
-        for ((_, u), (node, ought)) in field.moved().zip([moved[0], moved[2]]) {
-            assert!(u.distance(ought) <= 0.1 / 32767.0, "node {node}: {u}");
+        let mut nodes = vec![Vec3::ZERO; 40];
+        (nodes[2], nodes[5], nodes[39]) = (Vec3::new(0.1, -0.05, 0.0), Vec3::splat(1e-9), Vec3::Z * 0.01);
+        let field = NodeField::of(&nodes);
+        assert!(field.moved().map(|(n, _)| n).eq([2, 39]), "what rounds to nothing is left out");
+        for (node, u) in field.moved() {
+            assert!(u.distance(nodes[node as usize]) <= 0.1 / 32767.0, "node {node}: {u}");
         }
-        assert_eq!(NodeField::new(&[]).moved().count(), 0);
-        assert!(NodeField::new(&[(0, Vec3::splat(1e-44))]).moved().all(|(_, u)| u.is_finite()));
+        assert_eq!(NodeField::of(&[Vec3::ZERO; 9]), NodeField { step: f32::MIN_POSITIVE, ..NodeField::default() });
+        assert!(NodeField::of(&[Vec3::splat(1e-44)]).moved().all(|(_, u)| u.is_finite()));
     }
 }

@@ -18,13 +18,14 @@ use super::mark::{MAX_PAIRS, Mark, Pair};
 use super::told::predicted;
 use crate::base::array_vec::ArrayVec;
 use crate::base::math::{Four, dots, rotation_between, side_by_side};
-use crate::basis::field::NodeField;
+use crate::basis::field::{GROUP, NodeField};
 use crate::example::mesh_lod::MeshLod;
 use crate::example::set::ExampleSet;
 use crate::example::stamp::{Reader, Stamp};
 use crate::mesh::rim::WindowBlock;
 use crate::mesh::vertex_blocks::{BLOCK, block_range};
 use glam::{Mat3, Vec3, Vec4};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Limits of a carried example's stretch along the surface.
@@ -168,20 +169,37 @@ impl Dent {
 
     /// The vertices of a mesh that one hit alone moves by examples, ascending, and their displacements, m.
     pub(crate) fn alone_on(&self, set: &ExampleSet, mesh: &MeshLod) -> Vec<(u32, Vec3)> {
-        moved(set, &self.examples, 1.0, mesh)
+        let mut moved = Vec::with_capacity(mesh.vertex_count());
+        by_examples(set, &self.examples, 1.0, mesh, |vertices, sums| {
+            let own = vertices.zip(0..).map(|(v, i)| (v as u32, Vec3::from([0, 1, 2].map(|k| sums[k][i]))));
+            moved.extend(own.filter(|(_, u)| *u != Vec3::ZERO));
+        });
+        moved
     }
 }
 
 /// The nodes that placed examples move, stretched by a factor.
 fn node_field(set: &ExampleSet, examples: &[PlacedExample], wide: f32) -> NodeField {
-    NodeField::new(&moved(set, examples, wide, &set.nodes().lod))
+    let mut groups = Vec::new();
+    by_examples(set, examples, wide, &set.nodes().lod, |nodes, sums| {
+        let [x, y, z] = sums.each_ref().map(|along| along.as_chunks::<GROUP>().0);
+        let own = x.iter().zip(y).zip(z).map(|((x, y), z)| [*x, *y, *z]);
+        groups.extend(((nodes.start / GROUP) as u32..).zip(own).take(nodes.len().div_ceil(GROUP)));
+    });
+    NodeField::new(&groups)
 }
 
-/// The vertices of a mesh that placed examples move, stretched by a factor, and their displacements, m.
-fn moved(set: &ExampleSet, examples: &[PlacedExample], wide: f32, mesh: &MeshLod) -> Vec<(u32, Vec3)> {
+/// Calls `f` with the vertices of each block of a mesh that placed examples, stretched by a factor, may move, and with their displacements.
+/// Those behind the last vertex do not move.
+fn by_examples(
+    set: &ExampleSet,
+    examples: &[PlacedExample],
+    wide: f32,
+    mesh: &MeshLod,
+    mut f: impl FnMut(Range<usize>, &Sums),
+) {
     let mut placed = [None; MAX_PAIRS];
     examples.iter().zip(&mut placed).for_each(|(p, to)| *to = Carried::of(set, p, wide));
-    let mut moved = Vec::with_capacity(mesh.vertex_count());
     for (block, bounds) in mesh.block_bounds.iter().enumerate() {
         let range = block_range(block, mesh.vertex_count());
         let mut sums: Sums = [[0.0; BLOCK]; 3];
@@ -202,11 +220,9 @@ fn moved(set: &ExampleSet, examples: &[PlacedExample], wide: f32, mesh: &MeshLod
             }
         }
         if any {
-            let own = (0..range.len()).map(|i| ((range.start + i) as u32, Vec3::from([0, 1, 2].map(|k| sums[k][i]))));
-            moved.extend(own.filter(|(_, u)| *u != Vec3::ZERO));
+            f(range, &sums);
         }
     }
-    moved
 }
 
 /// An example read from its stamp, prepared for many points.

@@ -59,8 +59,8 @@ pub(crate) struct Predicted {
 #[derive(Debug, Default)]
 struct Recent {
     predictions: VecDeque<(Key, Predicted)>,
-    /// Memory of predictions: each takes a piece, and the list of what it moves.
-    scratch: Vec<(Scratch, Vec<(u32, Vec3)>)>,
+    /// Memory of predictions: each takes a piece, and the displacements of all nodes.
+    scratch: Vec<(Scratch, Vec<Vec3>)>,
 }
 
 /// What a rule is learned from.
@@ -184,10 +184,10 @@ impl LearnedRule {
         };
         let expected_error = self.predictor.predict(hit, &self.fields, &mut scratch, &mut moved).expected_error;
         // Numbers of a file may be anything finite.
-        if moved.iter().any(|(_, u)| !u.is_finite()) {
+        if moved.iter().any(|u| !u.is_finite()) {
             moved.clear();
         }
-        let predicted = Predicted { field: Arc::new(NodeField::new(&moved)), expected_error };
+        let predicted = Predicted { field: Arc::new(NodeField::of(&moved)), expected_error };
         let mut recent = self.recent.lock().unwrap_or_else(|e| e.into_inner());
         recent.scratch.push((scratch, moved));
         recent.predictions.truncate(RECENT - 1);

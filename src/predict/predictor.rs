@@ -203,18 +203,11 @@ impl Predictor {
         strike(blow, normal, &self.typical)
     }
 
-    /// Predicts the displacements (m) of the points that a hit moves, in ascending order of points. A blow that points
-    /// out of the body, or is far weaker than all examples, leaves nothing. So does a blow if no sample knows one
-    /// ([`Predictor::knows_blows`]).
+    /// Predicts the displacements (m) of all points. A blow that points out of the body, or is far weaker than all examples, leaves
+    /// nothing, and `out` is empty. So does a blow if no sample knows one ([`Predictor::knows_blows`]).
     ///
     /// `fields` are those of the samples that it was learned from: a sample's own hit gives its field.
-    pub fn predict(
-        &self,
-        hit: &Hit,
-        fields: &dyn Fields,
-        scratch: &mut Scratch,
-        out: &mut Vec<(u32, Vec3)>,
-    ) -> Prediction {
+    pub fn predict(&self, hit: &Hit, fields: &dyn Fields, scratch: &mut Scratch, out: &mut Vec<Vec3>) -> Prediction {
         out.clear();
         let (place, normal, diagonal) = (hit.contact, hit.normal, self.diagonal);
         let (model, x, told) = match hit.told {
@@ -317,17 +310,15 @@ impl Predictor {
         let field = s.field.as_chunks::<3>().0;
         let longest = field.iter().fold(0.0f32, |m, u| m.max(square(u)));
         let faint = FAINT * longest.sqrt() * (1.0 - exact);
-        for (v, u) in field.iter().enumerate() {
+        out.extend(field.iter().map(|u| {
             let square = square(u);
-            if square <= faint * faint {
-                continue;
-            }
-            let kept = if square < 4.0 * faint * faint { (square.sqrt() - faint) / faint } else { 1.0 };
-            let moved = Vec3::from_array(*u) * (size * kept);
-            if moved != Vec3::ZERO {
-                out.push((v as u32, moved));
-            }
-        }
+            let kept = match () {
+                () if square <= faint * faint => 0.0,
+                () if square < 4.0 * faint * faint => (square.sqrt() - faint) / faint,
+                () => 1.0,
+            };
+            Vec3::from_array(*u) * (size * kept)
+        }));
         Prediction { size, depth: there * size, expected_error: (errors / all) as f32 }
     }
 }

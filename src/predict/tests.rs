@@ -121,9 +121,8 @@ impl Fields for Rule {
 fn predict(p: &Rule, hit: &Hit) -> (Prediction, Vec<Vec3>) {
     let (mut scratch, mut out) = (Scratch::default(), Vec::new());
     let told = p.predict(hit, p, &mut scratch, &mut out);
-    let mut field = vec![Vec3::ZERO; p.points.len()];
-    out.iter().for_each(|(v, u)| field[*v as usize] = *u);
-    (told, field)
+    out.resize(p.points.len(), Vec3::ZERO);
+    (told, out)
 }
 
 /// What a blow of 5 kg leaves.
