@@ -345,7 +345,7 @@ impl Data<'_> {
             view.turned(&stamp, 1.0, &mut turned);
             for (v, u) in carried[i * columns..(i + 1) * columns].as_chunks_mut::<3>().0.iter_mut().enumerate() {
                 if let Some(cell) = view.cell(self.body.points[v], self.body.normals[v]) {
-                    *u = (read(&turned, &cell, 0) * held(self.body.held, v)).to_array();
+                    *u = (read(&turned, &cell, 0).truncate() * held(self.body.held, v)).to_array();
                 }
             }
         }

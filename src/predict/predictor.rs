@@ -6,7 +6,7 @@ use super::kernel::{GROUPS, exp, matern};
 use super::options::Learned;
 use super::own::{self, Fields};
 use super::size::SizeLaw;
-use super::stamp::{Frames, STAMP, View, read};
+use super::stamp::{Frames, STAMP, View, reads};
 use super::{Blow, Hit, Prediction, Told};
 use crate::base::math::{Four, side_by_side};
 use crate::mesh::mirror::Mirror;
@@ -133,6 +133,8 @@ pub struct Scratch {
     stamp: Vec<f32>,
     turned: Vec<Vec4>,
     field: Vec<f32>,
+    /// The field, four points side by side.
+    fours: Vec<Four>,
 }
 
 /// The space of hits: what a hit is as a point.
@@ -242,39 +244,47 @@ impl Predictor {
         let view = View::new(&self.frames, hit.contact, hit.normal, self.diagonal, wide);
         view.turned(&s.stamp, v, &mut s.turned);
         let far = END * self.reach;
-        let (mut squares, mut contact, mut least) = (0.0f64, 0, f32::INFINITY);
-        let field = s.field.as_chunks_mut::<3>().0.chunks_mut(4);
-        let points = self.points.chunks(4).zip(self.normals.chunks(4)).zip(field);
+        let (mut sums, mut contact, mut least) = ([0.0f64; 4], 0, f32::INFINITY);
+        let shares = |first: usize| {
+            let all =
+                [0, 1, 2, 3].map(|i| if first + i < self.points.len() { held(&self.held, first + i) } else { 0.0 });
+            Vec4::from(all)
+        };
+        s.fours.clear();
+        let points = self.points.chunks(4).zip(self.normals.chunks(4)).zip(s.field.as_chunks::<3>().0.chunks(4));
         for (first, ((points, normals), field)) in (0..).step_by(4).zip(points) {
             // Missing points are outside.
             let at = side_by_side(points, f32::INFINITY);
             let [x, y, z]: Four = std::array::from_fn(|k| at[k] - hit.contact[k]);
-            let square_distances = (x * x + y * y + z * z).to_array();
-            for (i, square) in square_distances.iter().enumerate() {
-                if *square < least {
-                    (contact, least) = (first + i, *square);
-                }
+            let distances = x * x + y * y + z * z;
+            let nearest = distances.min_element();
+            if nearest < least {
+                let here = distances.to_array();
+                contact = first + (0..4).find(|i| here[*i] == nearest).unwrap_or_default();
+                least = nearest;
             }
-            if square_distances.iter().all(|d| *d >= far * far) {
-                field.fill([0.0; 3]);
+            if nearest >= far * far {
+                s.fours.push([Vec4::ZERO; 3]);
                 continue;
             }
             let cells = view.cells(&at, &side_by_side(normals, 0.0));
-            for (i, u) in field.iter_mut().enumerate() {
-                let mut sum = Vec3::from_array(*u) * w + read(&s.turned, &cells, i) * held(&self.held, first + i);
-                if square_distances[i] > self.reach * self.reach {
-                    let t = ((square_distances[i].sqrt() / self.reach - END) / (1.0 - END)).clamp(0.0, 1.0);
-                    sum *= t * t * (3.0 - 2.0 * t);
-                }
-                *u = sum.to_array();
-                squares += f64::from(sum.length_squared());
+            let (carried, share) = (reads(&s.turned, &cells), shares(first));
+            let anchored = side_by_side(bytemuck::cast_slice(field), 0.0);
+            let mut sum: Four = std::array::from_fn(|k| anchored[k] * w + carried[k] * share);
+            if distances.max_element() > self.reach * self.reach {
+                let off = distances.to_array().map(|d| d.sqrt() / self.reach);
+                let t = ((Vec4::from(off) - END) / (1.0 - END)).clamp(Vec4::ZERO, Vec4::ONE);
+                let fade = t * t * (3.0 - 2.0 * t);
+                sum = sum.map(|u| u * fade);
             }
+            let squares = (sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]).to_array();
+            (0..4).for_each(|i| sums[i] += f64::from(squares[i]));
+            s.fours.push(sum);
         }
+        let mut squares = (sums[0] + sums[1]) + (sums[2] + sums[3]);
         if squares.is_nan() || squares <= 0.0 {
             return Prediction { expected_error: (errors / all) as f32, ..Prediction::default() };
         }
-        let unit = (1.0 / squares.sqrt()) as f32;
-        s.field.iter_mut().for_each(|x| *x *= unit);
         let own = own::nearest(&model.rows, &x);
         let exact = own.map_or(0.0, |(_, weight)| weight as f32);
         if let Some((i, _)) = own {
@@ -282,18 +292,21 @@ impl Predictor {
             let length = (-model.logs[i]).min(300.0);
             let k = exact * exp(length) as f32;
             let partners = self.partners.iter().find(|(m, _)| *m == mirror && mirror != Mirror::NONE);
-            s.field.iter_mut().for_each(|x| *x *= 1.0 - exact);
-            let field = s.field.as_chunks_mut::<3>().0;
+            let left = (f64::from(1.0 - exact) / squares.sqrt()) as f32;
+            s.fours.iter_mut().flatten().for_each(|u| *u *= left);
             fields.moved(self.order[example as usize] as usize, &mut |v, u| {
-                let to = &mut field[partners.map_or(v, |(_, p)| p[v] as usize)];
-                *to = (Vec3::from_array(*to) + mirror.direction(u) * k).to_array();
+                let v = partners.map_or(v, |(_, p)| p[v] as usize);
+                let u = mirror.direction(u) * k;
+                (0..3).for_each(|axis| s.fours[v / 4][axis][v % 4] += u[axis]);
             });
-            let squares: f64 = super::linear::dot32(&s.field, &s.field);
-            let unit = (1.0 / squares.max(1e-30).sqrt()) as f32;
-            s.field.iter_mut().for_each(|x| *x *= unit);
+            let square = |u: &Four| (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]).to_array().map(f64::from);
+            squares = s.fours.iter().flat_map(square).sum::<f64>().max(1e-30);
         }
 
-        let there = Vec3::from_slice(&s.field[3 * contact..]).length();
+        // Of the field with a size of 1.
+        let unit = (1.0 / squares.sqrt()) as f32;
+        let at = |v: usize| Vec3::from(s.fours[v / 4].map(|along| along[v % 4]));
+        let there = (at(contact) * unit).length();
         let mut size = exp(log.clamp(-40.0, 20.0)) as f32;
         match told {
             Some(depth) => {
@@ -306,19 +319,23 @@ impl Predictor {
                 size *= (t * t * (3.0 - 2.0 * t)) as f32;
             }
         }
-        let square = |u: &[f32; 3]| u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
-        let field = s.field.as_chunks::<3>().0;
-        let longest = field.iter().fold(0.0f32, |m, u| m.max(square(u)));
+        let square = |u: &Four| u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+        let longest = s.fours.iter().fold(Vec4::ZERO, |m, u| m.max(square(u))).max_element();
         let faint = FAINT * longest.sqrt() * (1.0 - exact);
-        out.extend(field.iter().map(|u| {
-            let square = square(u);
-            let kept = match () {
-                () if square <= faint * faint => 0.0,
-                () if square < 4.0 * faint * faint => (square.sqrt() - faint) / faint,
-                () => 1.0,
+        let scale = unit * size;
+        for fours in &s.fours {
+            let squares = square(fours);
+            let kept = if squares.min_element() < 4.0 * faint * faint {
+                // Nothing up to `faint`, all of it from twice as much on.
+                let lengths = Vec4::from(squares.to_array().map(f32::sqrt));
+                ((lengths - faint) / faint.max(f32::MIN_POSITIVE)).clamp(Vec4::ZERO, Vec4::ONE)
+            } else {
+                Vec4::ONE
             };
-            Vec3::from_array(*u) * (size * kept)
-        }));
+            let [x, y, z] = fours.map(|along| (along * (scale * kept)).to_array());
+            out.extend((0..4).map(|i| Vec3::new(x[i], y[i], z[i])));
+        }
+        out.truncate(self.points.len());
         Prediction { size, depth: there * size, expected_error: (errors / all) as f32 }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::linear::Banded;
 use crate::base::math::{Four, dots, small_floors, small_wholes};
-use glam::{DMat3, DVec3, Vec3, Vec4};
+use glam::{DMat3, DVec3, Mat4, Vec3, Vec4};
 
 /// Nodes of the grid a side.
 pub(super) const SIDE: usize = 29;
@@ -182,13 +182,21 @@ impl View {
     }
 }
 
-/// A turned stamp's displacement at one of the cells.
+/// A turned stamp's displacements at the cells.
 #[inline(always)]
-pub(super) fn read(turned: &[Vec4], cells: &Cells, i: usize) -> Vec3 {
+pub(super) fn reads(turned: &[Vec4], cells: &Cells) -> Four {
+    let [a, b, c, d] = [0, 1, 2, 3].map(|i| read(turned, cells, i));
+    let columns = Mat4::from_cols(a, b, c, d).transpose();
+    [columns.x_axis, columns.y_axis, columns.z_axis]
+}
+
+/// A turned stamp's displacement at one of the cells; its last number is 0.
+#[inline(always)]
+pub(super) fn read(turned: &[Vec4], cells: &Cells, i: usize) -> Vec4 {
     let [a, b, c, d] = cells.weights.map(|w| w[i]);
     let k = cells.node[i] as usize;
     let (low, high) = (&turned[k..k + 2], &turned[k + SIDE..k + SIDE + 2]);
-    ((low[0] * a + low[1] * b) + (high[0] * c + high[1] * d)).truncate()
+    (low[0] * a + low[1] * b) + (high[0] * c + high[1] * d)
 }
 
 #[cfg(test)]
@@ -218,7 +226,7 @@ mod tests {
         view.turned(&stamp, 1.0, &mut turned);
         let mut sums = (0.0, 0.0);
         for (v, p) in points.iter().enumerate() {
-            let read = view.cell(*p, Vec3::Z).map_or(Vec3::ZERO, |cell| read(&turned, &cell, 0));
+            let read = view.cell(*p, Vec3::Z).map_or(Vec3::ZERO, |cell| read(&turned, &cell, 0).truncate());
             sums.0 += (read - field(v)).length_squared();
             sums.1 += field(v).length_squared();
         }
