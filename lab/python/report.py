@@ -280,7 +280,7 @@ def learning(directory):
     return f"""### More examples
 
 {picture(directory, "learn", "Error against the number of examples, from 4 to 356, told the blow, on seven bodies: a set that has learned, the nearest examples, a radial profile and the classic rule")}
-A set that [has learned](../model.md#prediction-from-all-examples) (`crumple bake --basis`) predicts hits from all of its examples at once, where that is better than mixing the
+A set that [has learned](../model.md#prediction-from-all-examples) (`crumple bake`) predicts hits from all of its examples at once, where that is better than mixing the
 nearest ones; with few examples it mostly is not, and the columns agree. Both are whole sets: hits are submitted, and all vertices compared. Examples and hits tell the
 striker's shape. From {24} examples on, a hit takes {span("us_per_hit", duration)} to the displacements of the nodes the first time, on one thread of a busy
 machine, and learning {span("learn_s", number)} s. Told the blow with all training examples of each body (how many in brackets):

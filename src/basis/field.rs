@@ -24,16 +24,17 @@ pub(crate) struct NodeField {
 impl NodeField {
     /// The field of groups of nodes, ascending, with finite displacements, m. Groups that do not move are left out.
     pub(crate) fn new(groups: &[(u32, [[f32; GROUP]; 3])]) -> Self {
-        let each: Vec<f32> = groups.iter().map(|(_, u)| longest_of(u)).collect();
-        let longest = each.iter().fold(0.0, |longest: f32, x| longest.max(*x));
+        let longest = groups.iter().map(|(_, u)| longest_of(u)).fold(0.0, f32::max);
         let step = (longest / MOST).max(f32::MIN_POSITIVE);
         let steps = |x: f32| small_whole((x / step).clamp(-MOST, MOST)) as i16;
-        let moving = || groups.iter().zip(&each).filter(|(_, longest)| **longest > 0.0).map(|(group, _)| group);
-        NodeField {
-            groups: moving().map(|(group, _)| *group).collect(),
-            moves: moving().map(|(_, u)| u.map(|along| along.map(steps))).collect(),
-            step,
+        let moving = || groups.iter().filter(|(_, u)| u.as_flattened().iter().any(|x| *x != 0.0));
+        let count = moving().count();
+        let (mut names, mut moves) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        for (group, u) in moving() {
+            names.push(*group);
+            moves.push(u.map(|along| along.map(steps)));
         }
+        NodeField { groups: names.into(), moves: moves.into(), step }
     }
 
     /// The field of all nodes, with finite displacements, m.

@@ -180,8 +180,9 @@ impl Dent {
 
 /// The nodes that placed examples move, stretched by a factor.
 fn node_field(set: &ExampleSet, examples: &[PlacedExample], wide: f32) -> NodeField {
-    let mut groups = Vec::new();
-    by_examples(set, examples, wide, &set.nodes().lod, |nodes, sums| {
+    let nodes = &set.nodes().lod;
+    let mut groups = Vec::with_capacity(nodes.vertex_count().div_ceil(GROUP));
+    by_examples(set, examples, wide, nodes, |nodes, sums| {
         let [x, y, z] = sums.each_ref().map(|along| along.as_chunks::<GROUP>().0);
         let own = x.iter().zip(y).zip(z).map(|((x, y), z)| [*x, *y, *z]);
         groups.extend(((nodes.start / GROUP) as u32..).zip(own).take(nodes.len().div_ceil(GROUP)));
