@@ -20,7 +20,7 @@ METHODS = [
     ("radial", "radial profile", {"color": RADIAL, "marker": "D", "ls": "-."}),
     ("classic", "classic rule", {"color": CLASSIC, "marker": "P"}),
 ]
-SHOWN = (0.12, 2.3)
+SHOWN = (0.1, 2.3)
 
 
 def draw(directory):
