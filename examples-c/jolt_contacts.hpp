@@ -46,16 +46,16 @@ private:
         point.bodies[0] = instance_of(a);
         point.bodies[1] = instance_of(b);
         if (point.bodies[0].generation == 0 && point.bodies[1].generation == 0) return;
-        const Reach reach(a, b, manifold, seconds_);
+        const Advance advance(a, b, manifold, seconds_);
         const JPH::Vec3 normal = manifold.mWorldSpaceNormal; // from a to b
         JPH::ContactManifold there = manifold;
-        there.mBaseOffset -= reach.way;
+        there.mBaseOffset -= advance.way;
         JPH::CollisionEstimationResult estimate;
         JPH::EstimateCollisionResponse(a, b, there, estimate, 0, 0);
         float impulse = 0, weighted = 0;
         for (JPH::uint i = 0; i < estimate.mImpulses.size(); ++i) {
             impulse += estimate.mImpulses[i].mContactImpulse;
-            weighted -= estimate.mImpulses[i].mContactImpulse * reach.velocity(a, b, manifold.GetWorldSpaceContactPointOn1(i)).Dot(normal);
+            weighted -= estimate.mImpulses[i].mContactImpulse * advance.velocity(a, b, manifold.GetWorldSpaceContactPointOn1(i)).Dot(normal);
         }
         if (impulse <= 0 || weighted <= 0) return;
         const uint64_t numbers[] = {a.GetID().GetIndexAndSequenceNumber(), b.GetID().GetIndexAndSequenceNumber()};
@@ -71,7 +71,7 @@ private:
         size_t count = 0;
         for (JPH::uint i = 0; i < manifold.mRelativeContactPointsOn1.size(); ++i) {
             const JPH::RVec3 on_a = manifold.GetWorldSpaceContactPointOn1(i), on_b = manifold.GetWorldSpaceContactPointOn2(i);
-            const JPH::Vec3 velocity = reach.velocity(a, b, on_a);
+            const JPH::Vec3 velocity = advance.velocity(a, b, on_a);
             // Jolt tells of points that are near. Those that do not meet within the step do not touch.
             if (JPH::Vec3(on_b - on_a).Dot(normal) > -velocity.Dot(normal) * seconds_) continue;
             point.point = to_crumple(JPH::Vec3(on_a));
@@ -82,28 +82,29 @@ private:
         if (count > 0 && !context_.report_contacts(points, count).ok()) JPH::Trace("Crumple: %s", crumple_last_error());
     }
 
-    // Continuous collision detection tells of a contact before it moves the body there, and levers must be those at the contact.
-    struct Reach {
-        JPH::Vec3 way = JPH::Vec3::sZero();
-        bool is_a = true;
+    // Continuous collision detection tells of a contact before it moves the body there. Levers are right from where the body will be.
+    struct Advance {
+        JPH::Vec3 way = JPH::Vec3::sZero(); // of the body that is cast, relative to the other
+        bool of_a;
 
-        Reach(const JPH::Body &a, const JPH::Body &b, const JPH::ContactManifold &manifold, float seconds) {
-            is_a = a.GetCenterOfMassPosition() == manifold.mBaseOffset;
-            const JPH::Body &cast = is_a ? a : b, &other = is_a ? b : a;
+        Advance(const JPH::Body &a, const JPH::Body &b, const JPH::ContactManifold &manifold, float seconds)
+            : of_a(a.GetCenterOfMassPosition() == manifold.mBaseOffset) {
+            const JPH::Body &cast = of_a ? a : b, &other = of_a ? b : a;
             if (!cast.IsDynamic() || cast.GetMotionProperties()->GetMotionQuality() != JPH::EMotionQuality::LinearCast) return;
-            // From a point of the body that touches, back to where that point is now.
-            const JPH::Vec3 left = (cast.GetLinearVelocity() - other.GetLinearVelocity()) * seconds;
-            const JPH::Vec3 in = manifold.mWorldSpaceNormal * (is_a ? -1e-3f : 1e-3f);
-            const JPH::RRayCast back(manifold.GetWorldSpaceContactPointOn1(0) + in, -left);
+            // From a point just inside the body at the contact, back to where that point is now.
+            const JPH::Vec3 whole = (cast.GetLinearVelocity() - other.GetLinearVelocity()) * seconds;
+            const JPH::Vec3 inside = manifold.mWorldSpaceNormal * (of_a ? -1e-3f : 1e-3f);
+            const JPH::RRayCast back(manifold.GetWorldSpaceContactPointOn1(0) + inside, -whole);
             JPH::RayCastResult hit;
-            if (cast.GetTransformedShape().CastRay(back, hit)) way = left * hit.mFraction;
+            if (cast.GetTransformedShape().CastRay(back, hit)) way = whole * hit.mFraction;
         }
 
         // Of b relative to a.
         JPH::Vec3 velocity(const JPH::Body &a, const JPH::Body &b, JPH::RVec3Arg place) const {
-            return b.GetPointVelocity(is_a ? place : place - way) - a.GetPointVelocity(is_a ? place - way : place);
+            return b.GetPointVelocity(of_a ? place : place - way) - a.GetPointVelocity(of_a ? place - way : place);
         }
     };
+
     // Examples tell what struck them, and a set predicts better if hits do, too.
     static void tell_shape(const JPH::Shape &shape, CrumpleContactPointDef &point, int side) {
         if (shape.GetSubType() != JPH::EShapeSubType::Sphere) return;

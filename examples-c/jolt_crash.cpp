@@ -2,16 +2,13 @@
 //
 //     jolt_crash HOOD.glb
 #include "jolt_contacts.hpp"
+#include "jolt_world.hpp"
 
-#include <Jolt/Core/Factory.h>
 #include <Jolt/Core/JobSystemThreadPool.h>
 #include <Jolt/Core/TempAllocator.h>
 #include <Jolt/Physics/Body/BodyCreationSettings.h>
 #include <Jolt/Physics/Collision/Shape/BoxShape.h>
-#include <Jolt/Physics/Collision/Shape/MeshShape.h>
 #include <Jolt/Physics/Collision/Shape/SphereShape.h>
-#include <Jolt/Physics/PhysicsSystem.h>
-#include <Jolt/RegisterTypes.h>
 
 #include <cstdio>
 #include <vector>
@@ -19,14 +16,6 @@
 namespace {
 
 constexpr float MASS = 6, SPEED = 6, SIZE = 0.09f; // kg, m/s, m
-
-struct OneBroadLayer final : JPH::BroadPhaseLayerInterface {
-    JPH::uint GetNumBroadPhaseLayers() const override { return 1; }
-    JPH::BroadPhaseLayer GetBroadPhaseLayer(JPH::ObjectLayer) const override { return JPH::BroadPhaseLayer(0); }
-#if defined(JPH_EXTERNAL_PROFILE) || defined(JPH_PROFILE_ENABLED)
-    const char *GetBroadPhaseLayerName(JPH::BroadPhaseLayer) const override { return "all"; }
-#endif
-};
 
 struct Hood {
     crumple::ExampleSet set;
@@ -41,12 +30,7 @@ struct Hood {
         copy.positions = crumple::stream(rest);
         copy.indices = crumple::stream(indices);
         set.copy_mesh(copy).value();
-        JPH::VertexList vertices;
-        JPH::IndexedTriangleList triangles;
-        for (const CrumpleVec3 &v : rest) vertices.push_back(JPH::Float3(v.x, v.y, v.z));
-        for (size_t i = 0; i < indices.size(); i += 3)
-            triangles.push_back(JPH::IndexedTriangle(indices[i], indices[i + 1], indices[i + 2], 0));
-        shape = JPH::MeshShapeSettings(vertices, triangles).Create().Get();
+        shape = jolt_mesh(rest, indices);
     }
 
     float deepest(const std::vector<CrumpleVec3> &drawn) const {
@@ -64,11 +48,8 @@ float thrown(crumple::Context &context, const Hood &hood, const JPH::ShapeRefC &
     const crumple::Buffer buffer = instance.register_buffer(crumple::stream(drawn)).value();
     JPH::TempAllocatorMalloc memory;
     JPH::JobSystemThreadPool jobs(JPH::cMaxPhysicsJobs, JPH::cMaxPhysicsBarriers, 1);
-    const OneBroadLayer layer;
-    const JPH::ObjectVsBroadPhaseLayerFilter every_layer;
-    const JPH::ObjectLayerPairFilter every_pair;
-    JPH::PhysicsSystem system;
-    system.Init(16, 0, 64, 1024, layer, every_layer, every_pair);
+    JoltWorld world;
+    JPH::PhysicsSystem &system = world.system;
     JoltContacts contacts(context, 1 / hz);
     system.SetContactListener(&contacts);
     JPH::BodyInterface &bodies = system.GetBodyInterface();
@@ -80,7 +61,6 @@ float thrown(crumple::Context &context, const Hood &hood, const JPH::ShapeRefC &
     Settings falling(shape, JPH::RVec3(0.1f, 0.15f, 0.6f), none, moving, 0);
     falling.mLinearVelocity = JPH::Vec3(0, 0, -SPEED);
     falling.mMotionQuality = JPH::EMotionQuality::LinearCast;
-    falling.mGravityFactor = 0;
     falling.mRestitution = 0;
     falling.mOverrideMassProperties = JPH::EOverrideMassProperties::CalculateInertia;
     falling.mMassPropertiesOverride.mMass = MASS;
@@ -132,16 +112,11 @@ int main(int argc, char **argv) {
         std::fprintf(stderr, "usage: jolt_crash HOOD.glb\n");
         return 2;
     }
-    JPH::RegisterDefaultAllocator();
-    JPH::Factory::sInstance = new JPH::Factory();
-    JPH::RegisterTypes();
-    int status = 1;
+    const JoltTypes types;
     try {
-        status = run(argv[1]) ? 0 : 1;
+        return run(argv[1]) ? 0 : 1;
     } catch (const crumple::Error &error) {
         std::fprintf(stderr, "%s: %s\n", crumple_result_name(error.result()), error.what());
+        return 1;
     }
-    JPH::UnregisterTypes();
-    delete JPH::Factory::sInstance;
-    return status;
 }

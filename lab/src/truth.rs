@@ -241,6 +241,12 @@ impl Body {
         Ok(body)
     }
 
+    /// The same body with both kinds of training impacts as one.
+    pub fn with_free(mut self) -> Self {
+        self.train.append(&mut self.train_free);
+        self
+    }
+
     /// Every body of every truth.
     pub fn read_all() -> Result<Vec<Self>> {
         Self::read_of(&Truth::ALL)

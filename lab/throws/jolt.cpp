@@ -1,45 +1,23 @@
 // The lab's throws in Jolt.
 #include "../../examples-c/jolt_contacts.hpp"
+#include "../../examples-c/jolt_world.hpp"
 #include "throws.hpp"
 
-#include <Jolt/Core/Factory.h>
 #include <Jolt/Core/JobSystemSingleThreaded.h>
 #include <Jolt/Core/TempAllocator.h>
 #include <Jolt/Physics/Body/BodyCreationSettings.h>
 #include <Jolt/Physics/Collision/Shape/BoxShape.h>
-#include <Jolt/Physics/Collision/Shape/MeshShape.h>
 #include <Jolt/Physics/Collision/Shape/SphereShape.h>
-#include <Jolt/Physics/PhysicsSystem.h>
-#include <Jolt/RegisterTypes.h>
 
 namespace {
 
-struct OneBroadLayer final : JPH::BroadPhaseLayerInterface {
-    JPH::uint GetNumBroadPhaseLayers() const override { return 1; }
-    JPH::BroadPhaseLayer GetBroadPhaseLayer(JPH::ObjectLayer) const override { return JPH::BroadPhaseLayer(0); }
-#if defined(JPH_EXTERNAL_PROFILE) || defined(JPH_PROFILE_ENABLED)
-    const char *GetBroadPhaseLayerName(JPH::BroadPhaseLayer) const override { return "all"; }
-#endif
-};
-
 class Jolt {
 public:
-    explicit Jolt(const Surface &surface) {
-        JPH::VertexList vertices;
-        JPH::IndexedTriangleList triangles;
-        for (const CrumpleVec3 &v : surface.vertices) vertices.push_back(JPH::Float3(v.x, v.y, v.z));
-        for (size_t i = 0; i < surface.indices.size(); i += 3)
-            triangles.push_back(JPH::IndexedTriangle(surface.indices[i], surface.indices[i + 1], surface.indices[i + 2], 0));
-        shape_ = JPH::MeshShapeSettings(vertices, triangles).Create().Get();
-    }
+    explicit Jolt(const Surface &surface) : shape_(jolt_mesh(surface.vertices, surface.indices)) {}
 
     void strike(const Throw &thrown, crumple::Context &context, CrumpleInstance instance) {
-        const OneBroadLayer layer;
-        const JPH::ObjectVsBroadPhaseLayerFilter every_layer;
-        const JPH::ObjectLayerPairFilter every_pair;
-        JPH::PhysicsSystem system;
-        system.Init(16, 0, 64, 1024, layer, every_layer, every_pair);
-        system.SetGravity(JPH::Vec3::sZero());
+        JoltWorld world;
+        JPH::PhysicsSystem &system = world.system;
         JoltContacts contacts(context, 1 / thrown.hz);
         system.SetContactListener(&contacts);
         JPH::BodyInterface &bodies = system.GetBodyInterface();
@@ -78,11 +56,6 @@ private:
 } // namespace
 
 int main(int argc, char **argv) {
-    JPH::RegisterDefaultAllocator();
-    JPH::Factory::sInstance = new JPH::Factory();
-    JPH::RegisterTypes();
-    const int status = throws_main<Jolt>(argc, argv);
-    JPH::UnregisterTypes();
-    delete JPH::Factory::sInstance;
-    return status;
+    const JoltTypes types;
+    return throws_main<Jolt>(argc, argv);
 }

@@ -1,7 +1,7 @@
 //! The vector math that marks depend on. It gives the same bits on every platform, because it uses only IEEE
 //! operations: glam's scalar `Vec3` and `Mat3`, square roots, and `libm` for the rest.
 
-use glam::{DVec3, Mat3, Vec3, Vec4};
+use glam::{DVec3, Mat3, Mat4, Vec3, Vec4};
 
 /// An axis-aligned box, m. Empty when `min > max`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -184,6 +184,19 @@ pub(crate) fn side_by_side(points: &[Vec3], other: f32) -> Four {
 #[inline(always)]
 pub(crate) fn dots(points: &Four, v: Vec3) -> Vec4 {
     points[0] * v.x + points[1] * v.y + points[2] * v.z
+}
+
+/// Their squared lengths.
+#[inline(always)]
+pub(crate) fn squares(points: &Four) -> Vec4 {
+    points[0] * points[0] + points[1] * points[1] + points[2] * points[2]
+}
+
+/// The first numbers of four vectors, their second numbers, and so on.
+#[inline(always)]
+pub(crate) fn transposed([a, b, c, d]: [Vec4; 4]) -> [Vec4; 4] {
+    let columns = Mat4::from_cols(a, b, c, d).transpose();
+    [columns.x_axis, columns.y_axis, columns.z_axis, columns.w_axis]
 }
 
 /// Added to a number from 0 to 2^22, it leaves the nearest whole one in the lowest bits.

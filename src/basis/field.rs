@@ -1,7 +1,7 @@
 //! A displacement field as the nodes that it moves.
 
 use super::Rows;
-use crate::base::math::small_whole;
+use crate::base::math::{Four, small_whole};
 use glam::Vec3;
 
 /// The largest number of steps along an axis.
@@ -38,11 +38,11 @@ impl NodeField {
     }
 
     /// The field of all nodes, with finite displacements, m.
-    pub(crate) fn of(nodes: &[Vec3]) -> Self {
-        let groups = (0..).zip(nodes.chunks(GROUP).map(|nodes| {
+    pub(crate) fn of(nodes: &[Four]) -> Self {
+        let groups = (0..).zip(nodes.chunks(GROUP / 4).map(|fours| {
             let mut group = [[0.0; GROUP]; 3];
-            for (i, u) in nodes.iter().enumerate() {
-                (0..3).for_each(|k| group[k][i] = u[k]);
+            for (i, u) in fours.iter().enumerate() {
+                (0..3).for_each(|k| u[k].write_to_slice(&mut group[k][4 * i..]));
             }
             group
         }));
@@ -122,17 +122,19 @@ fn group_of(node: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::math::side_by_side;
 
     #[test]
     fn displacements_are_rounded_to_a_32767th_of_the_longest() {
         let mut nodes = vec![Vec3::ZERO; 40];
         (nodes[2], nodes[5], nodes[39]) = (Vec3::new(0.1, -0.05, 0.0), Vec3::splat(1e-9), Vec3::Z * 0.01);
-        let field = NodeField::of(&nodes);
+        let of = |nodes: &[Vec3]| NodeField::of(&nodes.chunks(4).map(|n| side_by_side(n, 0.0)).collect::<Vec<_>>());
+        let field = of(&nodes);
         assert!(field.moved().map(|(n, _)| n).eq([2, 39]), "what rounds to nothing is left out");
         for (node, u) in field.moved() {
             assert!(u.distance(nodes[node as usize]) <= 0.1 / 32767.0, "node {node}: {u}");
         }
-        assert_eq!(NodeField::of(&[Vec3::ZERO; 9]), NodeField { step: f32::MIN_POSITIVE, ..NodeField::default() });
-        assert!(NodeField::of(&[Vec3::splat(1e-44)]).moved().all(|(_, u)| u.is_finite()));
+        assert_eq!(of(&[Vec3::ZERO; 9]), NodeField { step: f32::MIN_POSITIVE, ..NodeField::default() });
+        assert!(of(&[Vec3::splat(1e-44)]).moved().all(|(_, u)| u.is_finite()));
     }
 }

@@ -17,7 +17,7 @@
 use super::mark::{MAX_PAIRS, Mark, Pair};
 use super::told::predicted;
 use crate::base::array_vec::ArrayVec;
-use crate::base::math::{Four, dots, rotation_between, side_by_side};
+use crate::base::math::{Four, dots, rotation_between, side_by_side, squares};
 use crate::basis::field::{GROUP, NodeField};
 use crate::example::mesh_lod::MeshLod;
 use crate::example::set::ExampleSet;
@@ -268,7 +268,7 @@ impl<'a> Carried<'a> {
             // Missing points are outside.
             let at = side_by_side(points, f32::INFINITY);
             let at: Four = std::array::from_fn(|k| at[k] - self.contact[k]);
-            let near = (at[0] * at[0] + at[1] * at[1] + at[2] * at[2]).cmple(Vec4::splat(self.reach_square));
+            let near = squares(&at).cmple(Vec4::splat(self.reach_square));
             if !near.any() {
                 continue;
             }

@@ -5,7 +5,7 @@ use crate::base::tasks::TaskSystem;
 use crate::basis::field::NodeField;
 use crate::mesh::Mesh;
 use crate::mesh::mirror::Mirror;
-use crate::predict::{Blow, Body, Fields, Hit, Learned, Predictor, Sample, Scratch, Strike};
+use crate::predict::{Blow, Body, Fields, Hit, Learned, Prediction, Predictor, Sample, Scratch, Strike};
 use glam::Vec3;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};
@@ -59,8 +59,8 @@ pub(crate) struct Predicted {
 #[derive(Debug, Default)]
 struct Recent {
     predictions: VecDeque<(Key, Predicted)>,
-    /// Memory of predictions: each takes a piece, and the displacements of all nodes.
-    scratch: Vec<(Scratch, Vec<Vec3>)>,
+    /// Memory of predictions: each takes a piece.
+    scratch: Vec<Scratch>,
 }
 
 /// What a rule is learned from.
@@ -175,21 +175,19 @@ impl LearnedRule {
 
     /// Predicts the displacements of the nodes by a hit alone. `key` must tell all hits apart.
     pub(crate) fn predict(&self, key: Key, hit: &Hit) -> Predicted {
-        let (mut scratch, mut moved) = {
+        let mut scratch = {
             let mut recent = self.recent.lock().unwrap_or_else(|e| e.into_inner());
             if let Some((_, known)) = recent.predictions.iter().find(|(k, _)| *k == key) {
                 return known.clone();
             }
             recent.scratch.pop().unwrap_or_default()
         };
-        let expected_error = self.predictor.predict(hit, &self.fields, &mut scratch, &mut moved).expected_error;
+        let (Prediction { expected_error, .. }, moved) = self.predictor.predict(hit, &self.fields, &mut scratch);
         // Numbers of a file may be anything finite.
-        if moved.iter().any(|u| !u.is_finite()) {
-            moved.clear();
-        }
-        let predicted = Predicted { field: Arc::new(NodeField::of(&moved)), expected_error };
+        let moved = if moved.iter().flatten().all(|u| u.is_finite()) { moved } else { &[] };
+        let predicted = Predicted { field: Arc::new(NodeField::of(moved)), expected_error };
         let mut recent = self.recent.lock().unwrap_or_else(|e| e.into_inner());
-        recent.scratch.push((scratch, moved));
+        recent.scratch.push(scratch);
         recent.predictions.truncate(RECENT - 1);
         recent.predictions.push_front((key, predicted.clone()));
         predicted

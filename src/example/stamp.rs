@@ -20,11 +20,11 @@
 //! side.
 
 use crate::base::array::Array;
-use crate::base::math::{Aabb, Four, small_floors, small_wholes};
+use crate::base::math::{Aabb, Four, small_floors, small_wholes, transposed};
 use crate::base::pairs::{dot, pair, paired};
 use crate::mesh::field::Field;
 use crate::mesh::nearest::VertexIndex;
-use glam::{IVec4, Mat3, Mat4, UVec2, Vec2, Vec3, Vec4};
+use glam::{IVec4, Mat3, UVec2, Vec2, Vec3, Vec4};
 use std::collections::VecDeque;
 
 /// Displacements below this share of the deepest do not enlarge the grid. Otherwise long flat tails would take nodes
@@ -289,18 +289,11 @@ impl Reader<'_> {
             let whole = IVec4::from(near) + IVec4::from(far);
             *sum = whole.as_vec4();
         }
-        let [x, y, over, h] = side_by_side_of(sums);
+        let [x, y, over, h] = transposed(sums);
         let keep = (2.0 - (z - h * self.height).abs() * self.fade).clamp(Vec4::ZERO, Vec4::ONE);
         let d = self.displacement;
         [x * d.x, y * d.y, over * d.z].map(|u| Vec4::select(inside, u * keep, Vec4::ZERO))
     }
-}
-
-/// The first numbers of four vectors, their second numbers, and so on.
-#[inline(always)]
-fn side_by_side_of([a, b, c, d]: [Vec4; 4]) -> [Vec4; 4] {
-    let columns = Mat4::from_cols(a, b, c, d).transpose();
-    [columns.x_axis, columns.y_axis, columns.z_axis, columns.w_axis]
 }
 
 fn of(n: &Node) -> Vec3 {

@@ -8,7 +8,7 @@ use super::own::{self, Fields};
 use super::size::SizeLaw;
 use super::stamp::{Frames, STAMP, View, reads};
 use super::{Blow, Hit, Prediction, Told};
-use crate::base::math::{Four, side_by_side};
+use crate::base::math::{Four, side_by_side, squares};
 use crate::mesh::mirror::Mirror;
 use glam::{Vec3, Vec4};
 
@@ -205,12 +205,11 @@ impl Predictor {
         strike(blow, normal, &self.typical)
     }
 
-    /// Predicts the displacements (m) of all points. A blow that points out of the body, or is far weaker than all examples, leaves
-    /// nothing, and `out` is empty. So does a blow if no sample knows one ([`Predictor::knows_blows`]).
+    /// Predicts the displacements of all points, m, four side by side; those behind the last point do not move. A blow that points out of
+    /// the body, or is far weaker than all examples, leaves nothing. So does a blow if no sample knows one ([`Predictor::knows_blows`]).
     ///
     /// `fields` are those of the samples that it was learned from: a sample's own hit gives its field.
-    pub fn predict(&self, hit: &Hit, fields: &dyn Fields, scratch: &mut Scratch, out: &mut Vec<Vec3>) -> Prediction {
-        out.clear();
+    pub fn predict<'s>(&self, hit: &Hit, fields: &dyn Fields, scratch: &'s mut Scratch) -> (Prediction, &'s [Four]) {
         let (place, normal, diagonal) = (hit.contact, hit.normal, self.diagonal);
         let (model, x, told) = match hit.told {
             Told::Strike(strike) => (&self.blow, Some(point(place, normal, diagonal, &strike)), None),
@@ -218,8 +217,8 @@ impl Predictor {
                 (&self.displacement, displacement_point(u, place, normal, diagonal), Some(u.length()))
             }
         };
-        let Some(model) = model else { return Prediction::default() };
-        let Some(x) = x.filter(|x| x.iter().all(|v| v.is_finite())) else { return Prediction::default() };
+        let Some(model) = model else { return Default::default() };
+        let Some(x) = x.filter(|x| x.iter().all(|v| v.is_finite())) else { return Default::default() };
         let n = model.rows.len();
         let s = scratch;
         model.points.differences(&x, &mut s.differences);
@@ -245,18 +244,12 @@ impl Predictor {
         view.turned(&s.stamp, v, &mut s.turned);
         let far = END * self.reach;
         let (mut sums, mut contact, mut least) = ([0.0f64; 4], 0, f32::INFINITY);
-        let shares = |first: usize| {
-            let all =
-                [0, 1, 2, 3].map(|i| if first + i < self.points.len() { held(&self.held, first + i) } else { 0.0 });
-            Vec4::from(all)
-        };
         s.fours.clear();
         let points = self.points.chunks(4).zip(self.normals.chunks(4)).zip(s.field.as_chunks::<3>().0.chunks(4));
         for (first, ((points, normals), field)) in (0..).step_by(4).zip(points) {
             // Missing points are outside.
             let at = side_by_side(points, f32::INFINITY);
-            let [x, y, z]: Four = std::array::from_fn(|k| at[k] - hit.contact[k]);
-            let distances = x * x + y * y + z * z;
+            let distances = squares(&std::array::from_fn(|k| at[k] - hit.contact[k]));
             let nearest = distances.min_element();
             if nearest < least {
                 let here = distances.to_array();
@@ -268,7 +261,8 @@ impl Predictor {
                 continue;
             }
             let cells = view.cells(&at, &side_by_side(normals, 0.0));
-            let (carried, share) = (reads(&s.turned, &cells), shares(first));
+            let carried = reads(&s.turned, &cells);
+            let share = Vec4::from([0, 1, 2, 3].map(|i| held(&self.held, first + i)));
             let anchored = side_by_side(bytemuck::cast_slice(field), 0.0);
             let mut sum: Four = std::array::from_fn(|k| anchored[k] * w + carried[k] * share);
             if distances.max_element() > self.reach * self.reach {
@@ -277,13 +271,13 @@ impl Predictor {
                 let fade = t * t * (3.0 - 2.0 * t);
                 sum = sum.map(|u| u * fade);
             }
-            let squares = (sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]).to_array();
-            (0..4).for_each(|i| sums[i] += f64::from(squares[i]));
+            let own = squares(&sum).to_array();
+            (0..4).for_each(|i| sums[i] += f64::from(own[i]));
             s.fours.push(sum);
         }
-        let mut squares = (sums[0] + sums[1]) + (sums[2] + sums[3]);
-        if squares.is_nan() || squares <= 0.0 {
-            return Prediction { expected_error: (errors / all) as f32, ..Prediction::default() };
+        let mut total = (sums[0] + sums[1]) + (sums[2] + sums[3]);
+        if total.is_nan() || total <= 0.0 {
+            return (Prediction { expected_error: (errors / all) as f32, ..Prediction::default() }, &[]);
         }
         let own = own::nearest(&model.rows, &x);
         let exact = own.map_or(0.0, |(_, weight)| weight as f32);
@@ -292,19 +286,19 @@ impl Predictor {
             let length = (-model.logs[i]).min(300.0);
             let k = exact * exp(length) as f32;
             let partners = self.partners.iter().find(|(m, _)| *m == mirror && mirror != Mirror::NONE);
-            let left = (f64::from(1.0 - exact) / squares.sqrt()) as f32;
+            let left = (f64::from(1.0 - exact) / total.sqrt()) as f32;
             s.fours.iter_mut().flatten().for_each(|u| *u *= left);
             fields.moved(self.order[example as usize] as usize, &mut |v, u| {
                 let v = partners.map_or(v, |(_, p)| p[v] as usize);
                 let u = mirror.direction(u) * k;
                 (0..3).for_each(|axis| s.fours[v / 4][axis][v % 4] += u[axis]);
             });
-            let square = |u: &Four| (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]).to_array().map(f64::from);
-            squares = s.fours.iter().flat_map(square).sum::<f64>().max(1e-30);
+            let each = s.fours.iter().flat_map(|u| squares(u).to_array());
+            total = each.map(f64::from).sum::<f64>().max(1e-30);
         }
 
         // Of the field with a size of 1.
-        let unit = (1.0 / squares.sqrt()) as f32;
+        let unit = (1.0 / total.sqrt()) as f32;
         let at = |v: usize| Vec3::from(s.fours[v / 4].map(|along| along[v % 4]));
         let there = (at(contact) * unit).length();
         let mut size = exp(log.clamp(-40.0, 20.0)) as f32;
@@ -319,23 +313,20 @@ impl Predictor {
                 size *= (t * t * (3.0 - 2.0 * t)) as f32;
             }
         }
-        let square = |u: &Four| u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
-        let longest = s.fours.iter().fold(Vec4::ZERO, |m, u| m.max(square(u))).max_element();
+        let longest = s.fours.iter().fold(Vec4::ZERO, |m, u| m.max(squares(u))).max_element();
         let faint = FAINT * longest.sqrt() * (1.0 - exact);
         let scale = unit * size;
-        for fours in &s.fours {
-            let squares = square(fours);
-            let kept = if squares.min_element() < 4.0 * faint * faint {
+        for fours in &mut s.fours {
+            let own = squares(fours);
+            let kept = if own.min_element() < 4.0 * faint * faint {
                 // Nothing up to `faint`, all of it from twice as much on.
-                let lengths = Vec4::from(squares.to_array().map(f32::sqrt));
+                let lengths = Vec4::from(own.to_array().map(f32::sqrt));
                 ((lengths - faint) / faint.max(f32::MIN_POSITIVE)).clamp(Vec4::ZERO, Vec4::ONE)
             } else {
                 Vec4::ONE
             };
-            let [x, y, z] = fours.map(|along| (along * (scale * kept)).to_array());
-            out.extend((0..4).map(|i| Vec3::new(x[i], y[i], z[i])));
+            *fours = fours.map(|along| along * (scale * kept));
         }
-        out.truncate(self.points.len());
-        Prediction { size, depth: there * size, expected_error: (errors / all) as f32 }
+        (Prediction { size, depth: there * size, expected_error: (errors / all) as f32 }, &s.fours)
     }
 }

@@ -12,7 +12,8 @@ const KNOT: f64 = 0.9;
 const MOST_KNOTS: usize = 12;
 /// Least exponent of the strength, so that a harder hit is never smaller.
 const LEAST_SLOPE: f64 = 0.1;
-/// Precision of the prior on the exponents of strength, mass and radius. Examples have nearly the same radius, which moves little.
+/// Precision of the prior on the exponents of strength, mass and radius. Examples have nearly one radius, which tells little of its
+/// exponent.
 const PRECISION: [f64; 3] = [0.5, 0.5, 5.0];
 
 /// The logarithm of the size of a field.

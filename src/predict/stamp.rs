@@ -1,8 +1,8 @@
 //! Frames of contacts, and a field resampled into a grid there.
 
 use super::linear::Banded;
-use crate::base::math::{Four, dots, small_floors, small_wholes};
-use glam::{DMat3, DVec3, Mat4, Vec3, Vec4};
+use crate::base::math::{Four, dots, small_floors, small_wholes, transposed};
+use glam::{DMat3, DVec3, Vec3, Vec4};
 
 /// Nodes of the grid a side.
 pub(super) const SIDE: usize = 29;
@@ -185,9 +185,8 @@ impl View {
 /// A turned stamp's displacements at the cells.
 #[inline(always)]
 pub(super) fn reads(turned: &[Vec4], cells: &Cells) -> Four {
-    let [a, b, c, d] = [0, 1, 2, 3].map(|i| read(turned, cells, i));
-    let columns = Mat4::from_cols(a, b, c, d).transpose();
-    [columns.x_axis, columns.y_axis, columns.z_axis]
+    let [x, y, z, _] = transposed([0, 1, 2, 3].map(|i| read(turned, cells, i)));
+    [x, y, z]
 }
 
 /// A turned stamp's displacement at one of the cells; its last number is 0.

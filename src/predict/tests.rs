@@ -119,10 +119,12 @@ impl Fields for Rule {
 }
 
 fn predict(p: &Rule, hit: &Hit) -> (Prediction, Vec<Vec3>) {
-    let (mut scratch, mut out) = (Scratch::default(), Vec::new());
-    let told = p.predict(hit, p, &mut scratch, &mut out);
-    out.resize(p.points.len(), Vec3::ZERO);
-    (told, out)
+    let mut scratch = Scratch::default();
+    let (told, fours) = p.predict(hit, p, &mut scratch);
+    let mut field: Vec<Vec3> =
+        fours.iter().flat_map(|u| [0, 1, 2, 3].map(|i| u.map(|along| along[i]).into())).collect();
+    field.resize(p.points.len(), Vec3::ZERO);
+    (told, field)
 }
 
 /// What a blow of 5 kg leaves.

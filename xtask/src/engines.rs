@@ -1,23 +1,17 @@
 //! Physics engines whose contacts go through the contact layer: Jolt on the demo's hood, and rapier, Bullet and Jolt on the truths' hits.
 
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use xshell::cmd;
 
 use crate::lab;
-use crate::native::{self, Build};
 use crate::stage::{Outcome, all_passed};
-use crate::tools::Tool;
-use crate::workspace::{Workspace, empty_directory};
-
-/// The crate that has Jolt's source. Nothing links with the crate itself.
-const JOLT: &str = "joltc-sys";
-const JOLT_VERSION: &str = "=0.3.1";
+use crate::throws;
+use crate::workspace::Workspace;
 
 pub fn stage(workspace: &Workspace) -> Result<Outcome> {
-    let programs = throws(workspace)?;
+    let programs = throws::build(workspace)?;
     all_passed(vec![
         ("Jolt", jolt(workspace, &programs)),
         ("the truths in all engines", truths(workspace, &programs)),
@@ -25,47 +19,10 @@ pub fn stage(workspace: &Workspace) -> Result<Outcome> {
     Ok(Outcome::Passed)
 }
 
-/// Builds lab/throws and the examples that need Jolt against the installed library. Returns the folder of the programs. Bullet is left
-/// out where it is not installed.
-pub fn throws(workspace: &Workspace) -> Result<PathBuf> {
-    if !Tool::Bullet.here(workspace) {
-        println!("Bullet is left out: on Debian, apt-get install libbullet-dev pkg-config");
-    }
-    let prefix = native::release_prefix(workspace)?;
-    let source = format!("-DCRUMPLE_JOLT={}", jolt_source(workspace)?.display());
-    let directory = workspace.target.join("throws");
-    let build = Build { options: &[&source], ..Build::new("throws", &prefix) };
-    native::compile(workspace, &build, &workspace.path("lab/throws"), &directory)?;
-    let (sh, jobs) = (&workspace.shell, native::jobs());
-    cmd!(sh, "cmake --build {directory} --config RelWithDebInfo --target jolt_crash --parallel {jobs}")
-        .ignore_stdout()
-        .run()?;
-    Ok(directory)
-}
-
 fn jolt(workspace: &Workspace, programs: &Path) -> Result<()> {
     let directory = programs.join("examples-c");
     let sh = &workspace.shell;
     Ok(cmd!(sh, "ctest --test-dir {directory} --tests-regex ^jolt_crash$ --verbose --no-tests=error").run()?)
-}
-
-/// The folder of Jolt's source, which Cargo fetches.
-fn jolt_source(workspace: &Workspace) -> Result<PathBuf> {
-    let directory = workspace.target.join("jolt");
-    empty_directory(&directory)?;
-    let manifest = directory.join("Cargo.toml");
-    let text =
-        "[package]\nname = \"jolt-source\"\nversion = \"0.0.0\"\nedition = \"2024\"\n\n[lib]\npath = \"empty.rs\"\n\n";
-    fs::write(&manifest, format!("{text}[dependencies]\n{JOLT} = \"{JOLT_VERSION}\"\n\n[workspace]\n"))?;
-    fs::write(directory.join("empty.rs"), "")?;
-    let told =
-        workspace.cargo(&["metadata", "--format-version", "1", "--manifest-path"]).arg(&manifest).quiet().read()?;
-    let told: serde_json::Value = serde_json::from_str(&told)?;
-    let packages = told["packages"].as_array().context("cargo metadata lists packages")?;
-    let package = packages.iter().find(|package| package["name"] == JOLT);
-    let file = package.and_then(|package| package["manifest_path"].as_str());
-    let file = PathBuf::from(file.with_context(|| format!("cargo metadata does not tell where {JOLT} is"))?);
-    Ok(file.with_file_name("JoltC").join("JoltPhysics"))
 }
 
 fn truths(workspace: &Workspace, programs: &Path) -> Result<()> {

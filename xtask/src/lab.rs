@@ -7,8 +7,8 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use xshell::cmd;
 
-use crate::engines;
 use crate::python;
+use crate::throws;
 use crate::tools::Tool;
 use crate::workspace::{Workspace, empty_directory};
 
@@ -75,7 +75,7 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
         timed(part.name, || {
             let quick = options.quick.then_some("--quick");
             if let Some(subcommand) = part.measures {
-                let throws = if part.name == "contacts" { Some(engines::throws(workspace)?) } else { None };
+                let throws = (part.name == "contacts").then(|| throws::build(workspace)).transpose()?;
                 let throws = throws.map(|folder| format!("--throws={}", folder.display()));
                 cmd!(sh, "{program} {subcommand} {throws...} {quick...} --out {out}").quiet().run()?;
             }

@@ -37,6 +37,7 @@ mod source;
 mod stage;
 mod target;
 mod test;
+mod throws;
 mod tools;
 mod unity;
 mod valgrind;

@@ -67,8 +67,9 @@ impl Workspace {
             from(self.sysroot()?.join("lib/rustlib/src/rust"), "/rustc"),
             from(cargo_home()?, "/cargo"),
         ];
-        // The last remapping that fits counts. Each registry has a folder, which exists because this program's packages came from there.
-        for registry in std::fs::read_dir(cargo_home()?.join("registry/src"))? {
+        // The last remapping that fits counts. Each registry has a folder, since this program's packages came from one; vendored ones have
+        // none.
+        for registry in std::fs::read_dir(cargo_home()?.join("registry/src")).into_iter().flatten() {
             flags.push(from(registry?.path(), SOURCES));
         }
         flags.splice(0..0, std::env::var("RUSTFLAGS").iter().flat_map(|f| f.split_whitespace().map(str::to_owned)));

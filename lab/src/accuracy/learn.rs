@@ -61,9 +61,7 @@ pub fn run(options: &Options) -> Result<()> {
     table.comment("methods", "learned: a set that has learned; crumple: its three nearest examples; classic: the literature's rule, told the displacement of a law");
     for truth in Truth::ALL.into_iter().chain([Truth::Dense]) {
         for name in truth.bodies() {
-            let mut body = Body::read(truth, name)?;
-            let free = std::mem::take(&mut body.train_free);
-            body.train.extend(free);
+            let mut body = Body::read(truth, name)?.with_free();
             body.train.retain(|i| i.depth() >= WEAK);
             case(&body, options, &mut table)?;
             println!("learn: {} {name}", truth.name());

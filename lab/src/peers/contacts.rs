@@ -135,9 +135,7 @@ pub fn run(options: &Options, programs: Option<&Path>, check: bool) -> Result<()
     table.comment("rates_apart", "deepest of a hit's dents at the three rates over the shallowest, less 1");
     let mut over = 0;
     for (truth, name) in TRUTHS.iter().flat_map(|truth| truth.bodies().iter().map(|name| (*truth, *name))) {
-        let mut body = Body::read(truth, name)?;
-        let free = std::mem::take(&mut body.train_free);
-        body.train.extend(free);
+        let body = Body::read(truth, name)?.with_free();
         let most = if options.quick { 4 } else { usize::MAX };
         // Poles are none of the strikers here.
         let hits = body.heldout.iter().chain(&body.play).filter_map(|i| Some((i, i.blow?.in_engine())));
