@@ -24,18 +24,22 @@
 //! - `capi` exports the C functions.
 //! - `host-allocator` lets a C host provide memory.
 #![cfg_attr(not(fuzzing), deny(missing_docs))]
+#![deny(unsafe_code)]
 
 #[cfg(target_endian = "big")]
 compile_error!("Crumple supports little-endian processors only: its files and packed numbers are little-endian");
 
 mod bake;
+#[allow(unsafe_code)]
 mod base;
 mod basis;
 #[cfg(feature = "capi")]
+#[allow(unsafe_code)]
 mod capi;
 mod classic;
 mod contacts;
 mod damage;
+#[allow(unsafe_code)]
 mod deform;
 mod example;
 #[cfg(feature = "gpu")]
@@ -48,8 +52,10 @@ mod mesh;
 mod predict;
 mod select;
 #[cfg(feature = "vulkan")]
+#[allow(unsafe_code)]
 pub mod vulkan;
 #[cfg(feature = "wgpu")]
+#[allow(unsafe_code)]
 pub mod wgpu;
 
 pub use bake::basis::RuleReport;

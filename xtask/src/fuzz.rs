@@ -2,13 +2,14 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
 use clap::Args;
-use xshell::cmd;
+use xshell::{Cmd, cmd};
 
 use crate::stage::Outcome;
-use crate::workspace::Workspace;
+use crate::workspace::{Workspace, jobs, side_by_side};
 use crate::{corpus, coverage, vulkan};
 
 /// Instruments the code for libFuzzer's coverage.
@@ -18,7 +19,6 @@ const COVERAGE: &[&str] = &[
     "-Cllvm-args=-sanitizer-coverage-inline-8bit-counters",
     "-Cllvm-args=-sanitizer-coverage-pc-table",
     "-Cllvm-args=-sanitizer-coverage-trace-compares",
-    "-Ccodegen-units=1",
     "--cfg=fuzzing",
 ];
 
@@ -27,15 +27,15 @@ const STAGE_SECONDS: u32 = 10;
 
 #[derive(Args)]
 pub struct Options {
-    /// Fuzz only this target; may be given several times [default: every file of fuzz/src/bin, one after the other]
+    /// Fuzz only this target; may be given several times [default: every file of fuzz/src/bin]
     #[arg(long, value_name = "NAME")]
     target: Vec<String>,
     /// Duration for each target, s
     #[arg(long, default_value_t = 120)]
     seconds: u32,
-    /// Number of processes
+    /// Number of targets that are fuzzed at a time
     #[arg(long, default_value_t = 1)]
-    jobs: u32,
+    jobs: usize,
     /// Folder that keeps interesting inputs between runs, in a folder for each target [default: fuzz/corpus in the target directory]
     #[arg(long)]
     corpus: Option<PathBuf>,
@@ -57,7 +57,6 @@ pub struct Options {
 }
 
 pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
-    let shell = &workspace.shell;
     let targets = targets(workspace)?;
     for name in &options.target {
         ensure!(targets.contains(name), "there is no target {name:?}; there are: {}", targets.join(", "));
@@ -76,40 +75,47 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
             .into_iter()
             .try_for_each(|name| corpus::keep(workspace, &programs.join(name), &corpus.join(name), &kept.join(name)));
     }
-    let (seconds, jobs, seed) = (options.seconds.to_string(), options.jobs.to_string(), options.seed.to_string());
-    for name in chosen {
-        let corpus = corpus.join(name);
-        let found = home.join("found").join(name);
+    let fuzzer = |name: &String| -> Result<(String, Command)> {
+        let (corpus, found, kept) = (corpus.join(name), home.join("found").join(name), kept.join(name));
         for folder in [&corpus, &found] {
             fs::create_dir_all(folder).with_context(|| format!("making {}", folder.display()))?;
         }
-        let (program, kept) = (programs.join(name), kept.join(name));
-        // The first folder receives new inputs; the others are only read.
-        let kept = kept.exists().then_some(kept);
-        let artifacts = format!("-artifact_prefix={}/", found.display());
-        let limits = ["-timeout=30", "-rss_limit_mb=2048", "-malloc_limit_mb=1024", "-max_len=65536"];
-        let mut fuzz = cmd!(
-            shell,
-            "{program} {corpus} {kept...} {artifacts} {limits...} -max_total_time={seconds} -seed={seed} -print_final_stats=1"
-        )
-        .env("CRUMPLE_SEEDS", &corpus);
-        let dictionary = workspace.path("fuzz/dictionaries").join(name);
-        if dictionary.exists() {
-            fuzz = fuzz.arg(format!("-dict={}", dictionary.display()));
-        }
-        if name == "device" {
-            // Both software drivers, if they are there. Mesa's device selection layer prints errors without a display.
-            fuzz = fuzz.env("NODEVICE_SELECT", "1");
-            if let Ok(drivers) = vulkan::drivers(workspace) {
-                fuzz = fuzz.env("VK_DRIVER_FILES", std::env::join_paths(drivers.manifests)?);
-            }
-        }
-        if options.jobs > 1 {
-            fuzz = fuzz.arg(format!("-fork={jobs}"));
-        }
-        fuzz.run().with_context(|| format!("what broke {name} lies in {}", found.display()))?;
+        let fuzzer = fuzzer(workspace, options, &programs.join(name), [&corpus, &kept, &found])?;
+        Ok((format!("{name} (what broke it lies in {})", found.display()), fuzzer.into()))
+    };
+    side_by_side(options.jobs, chosen.map(fuzzer).collect::<Result<_>>()?)
+}
+
+/// The call of a target. It adds to `corpus`, reads what is in `kept` too, and leaves what breaks it in `found`.
+fn fuzzer<'a>(
+    workspace: &'a Workspace,
+    options: &Options,
+    program: &Path,
+    [corpus, kept, found]: [&Path; 3],
+) -> Result<Cmd<'a>> {
+    let (seconds, seed) = (options.seconds.to_string(), options.seed.to_string());
+    // The first folder receives new inputs; the others are only read.
+    let folders = [corpus].into_iter().chain(Some(kept).filter(|kept| kept.exists()));
+    let artifacts = format!("-artifact_prefix={}/", found.display());
+    let limits = ["-timeout=30", "-rss_limit_mb=2048", "-malloc_limit_mb=1024", "-max_len=65536"];
+    let mut fuzz = cmd!(
+        workspace.shell,
+        "{program} {folders...} {artifacts} {limits...} -max_total_time={seconds} -seed={seed} -print_final_stats=1"
+    )
+    .env("CRUMPLE_SEEDS", corpus);
+    let name = program.file_name().context("programs have names")?;
+    let dictionary = workspace.path("fuzz/dictionaries").join(name);
+    if dictionary.exists() {
+        fuzz = fuzz.arg(format!("-dict={}", dictionary.display()));
     }
-    Ok(())
+    if name == "device" {
+        // Both software drivers, if they are there. Mesa's device selection layer prints errors without a display.
+        fuzz = fuzz.env("NODEVICE_SELECT", "1");
+        if let Ok(drivers) = vulkan::drivers(workspace) {
+            fuzz = fuzz.env("VK_DRIVER_FILES", std::env::join_paths(drivers.manifests)?);
+        }
+    }
+    Ok(fuzz)
 }
 
 /// The names of the targets.
@@ -146,7 +152,7 @@ pub fn stage(workspace: &Workspace) -> Result<Outcome> {
     let options = Options {
         target,
         seconds: STAGE_SECONDS,
-        jobs: 1,
+        jobs: jobs(),
         corpus: None,
         seed: 1,
         address: false,

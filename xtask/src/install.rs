@@ -101,6 +101,12 @@ pub fn built(
     })
 }
 
+/// The release library in a folder that [`run`] filled. Another build may have taken its place in Cargo's folder.
+pub fn installed(workspace: &Workspace, target: Target, prefix: &Path) -> Result<Built> {
+    let (shared, static_library) = (shared(&target, prefix), prefix.join("lib").join(target.static_library()));
+    Ok(Built { shared, static_library, ..built(workspace, target, Profile::Release, FEATURES)? })
+}
+
 /// The system libraries that Rust's standard library links, as `rustc` prints them for an empty static library.
 fn static_needs(workspace: &Workspace, target: &Target) -> Result<Vec<String>> {
     if !target.has_standard_library(workspace) {

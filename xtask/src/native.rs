@@ -13,10 +13,11 @@ use crate::stage::{Outcome, all_passed};
 use crate::target::Target;
 use crate::tools::Tool;
 use crate::vulkan;
-use crate::workspace::{Workspace, empty_directory, files};
+use crate::workspace::{Workspace, empty_directory, files, jobs};
 
 /// CMake projects whose programs are tests, each with the name of its build directory.
 pub const OURS: &[(&str, &str)] = &[("examples-c", "examples-c"), ("tests/c", "tests-c")];
+pub const TESTS: &[(&str, &str)] = &[OURS[1]];
 /// All projects: ours and Unity's renderer plugin.
 const ALL: &[(&str, &str)] = &[OURS[0], OURS[1], ("bindings/unity/native~", "unity")];
 
@@ -68,7 +69,7 @@ impl<'a> Build<'a> {
 
 /// Builds every project against an installed library and runs its tests. A project that fails does not hide the others.
 pub fn test_projects(workspace: &Workspace, build: &Build<'_>) -> Result<()> {
-    let jobs = jobs();
+    let jobs = jobs().to_string();
     let test = |project: &str, name: &str| -> Result<()> {
         let directory = workspace.target.join("ctest").join(build.kind).join(name);
         compile(workspace, build, &workspace.path(project), &directory)?;
@@ -83,14 +84,9 @@ pub fn test_projects(workspace: &Workspace, build: &Build<'_>) -> Result<()> {
     all_passed(results.collect())
 }
 
-/// The number of cores.
-pub fn jobs() -> String {
-    std::thread::available_parallelism().map_or(2, usize::from).to_string()
-}
-
 pub fn compile(workspace: &Workspace, build: &Build<'_>, source: &Path, directory: &Path) -> Result<()> {
     configure(workspace, build, source, directory)?;
-    let jobs = jobs();
+    let jobs = jobs().to_string();
     Ok(cmd!(workspace.shell, "cmake --build {directory} --config RelWithDebInfo --parallel {jobs}")
         .ignore_stdout()
         .run()?)

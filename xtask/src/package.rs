@@ -20,6 +20,7 @@ use xshell::cmd;
 
 use crate::command::Command;
 use crate::install::{self, Built, Profile};
+use crate::native;
 use crate::target::{self, Target};
 use crate::tools::{self, Tool};
 use crate::wine::Wine;
@@ -133,7 +134,7 @@ pub fn full(workspace: &Workspace, handed_out: bool) -> Result<PathBuf> {
 fn tested(workspace: &Workspace, target: Target) -> Result<Parts> {
     Ok(Parts {
         flavour: &FULL,
-        library: install::build(workspace, target, Profile::Release, install::FEATURES)?,
+        library: install::installed(workspace, target, &native::release_prefix(workspace)?)?,
         command: Some(Command::build(workspace, Profile::Debug, None)?.program().to_owned()),
         handed_out: false,
     })

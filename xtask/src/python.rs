@@ -16,7 +16,7 @@ use crate::install;
 use crate::package;
 use crate::stage::Outcome;
 use crate::tools::{self, Tool};
-use crate::workspace::{Workspace, empty_directory, files};
+use crate::workspace::{Workspace, empty_directory, files, jobs};
 
 pub const DECLARATIONS: &str = "bindings/python/src/crumple/_native.py";
 
@@ -74,9 +74,10 @@ pub fn stage(workspace: &Workspace) -> Result<Outcome> {
     let sh = &workspace.shell;
     cmd!(sh, "{python} {PIP...} install --no-index --no-deps --force-reinstall {wheel}").quiet().run()?;
     let tests = workspace.path(PACKAGE).join("tests");
-    // One simulation at a time, each on one thread.
+    // Simulations take one thread each.
+    let jobs = jobs().to_string();
     let _no_cache = [sh.push_env("PYTHONDONTWRITEBYTECODE", "1"), sh.push_env("MPLBACKEND", "agg")];
-    cmd!(sh, "{python} -m pytest --quiet -p no:cacheprovider --durations 5 {tests}").quiet().run()?;
+    cmd!(sh, "{python} -m pytest --quiet -p no:cacheprovider -n {jobs} --durations 5 {tests}").quiet().run()?;
     Ok(Outcome::Passed)
 }
 

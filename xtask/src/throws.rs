@@ -8,7 +8,7 @@ use xshell::cmd;
 
 use crate::native::{self, Build};
 use crate::tools::Tool;
-use crate::workspace::{Workspace, empty_directory};
+use crate::workspace::{Workspace, empty_directory, jobs};
 
 /// The crate that has Jolt's source. Nothing links with the crate itself.
 const JOLT: &str = "joltc-sys";
@@ -25,7 +25,7 @@ pub fn build(workspace: &Workspace) -> Result<PathBuf> {
     let directory = workspace.target.join("throws");
     let build = Build { options: &[&source], ..Build::new("throws", &prefix) };
     native::compile(workspace, &build, &workspace.path("lab/throws"), &directory)?;
-    let (sh, jobs) = (&workspace.shell, native::jobs());
+    let (sh, jobs) = (&workspace.shell, jobs().to_string());
     cmd!(sh, "cmake --build {directory} --config RelWithDebInfo --target jolt_crash --parallel {jobs}")
         .ignore_stdout()
         .run()?;

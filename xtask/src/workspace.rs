@@ -2,8 +2,9 @@
 
 use std::cell::Cell;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use xshell::{Shell, cmd};
 
 /// The packages and features of every test build with `--all`. Cargo builds another library for each other choice. The physics engines
@@ -121,6 +122,30 @@ pub fn cargo_home() -> Result<PathBuf> {
     }
     let home = std::env::home_dir().context("there is neither CARGO_HOME nor a home directory")?;
     Ok(home.join(".cargo"))
+}
+
+/// The number of cores.
+pub fn jobs() -> usize {
+    std::thread::available_parallelism().map_or(2, usize::from)
+}
+
+/// Runs named commands, `jobs` at a time. One that fails ends none of the others.
+pub fn side_by_side(jobs: usize, mut commands: Vec<(String, Command)>) -> Result<()> {
+    let mut failed = Vec::new();
+    for some in commands.chunks_mut(jobs.max(1)) {
+        let running = some.iter_mut().map(|(name, command)| {
+            let started = command.spawn().with_context(|| format!("starting {name}"))?;
+            Ok((&*name, started))
+        });
+        for (name, mut child) in running.collect::<Result<Vec<_>>>()? {
+            let ended = child.wait()?;
+            if !ended.success() {
+                failed.push(format!("{name} ends with {ended}"));
+            }
+        }
+    }
+    ensure!(failed.is_empty(), "{}", failed.join("; "));
+    Ok(())
 }
 
 /// Removes `directory` if it exists and creates it empty.
