@@ -11,9 +11,9 @@ use proptest::test_runner::RngSeed;
 
 use crumple::glam::Vec3;
 use crumple::{
-    BasisOptions, Blow, Cause, Contact, DeformReport, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions,
-    MeshData, Placement, Serial, SetOptions, Space, Striker, StrikerShape, TaskSystem, ThreadPool, Tracker,
-    VertexMemory,
+    BasisOptions, Blow, Cause, Contact, DeformJob, DeformReport, Deltas, ExampleData, ExampleSet, Hit, Instance,
+    InstanceOptions, MeshData, Placement, Serial, SetOptions, Space, Striker, StrikerShape, TaskSystem, ThreadPool,
+    Tracker, VertexMemory, deform,
 };
 
 pub use solver::solver;
@@ -509,4 +509,27 @@ pub fn new(set: &Arc<ExampleSet>) -> Instance {
 /// FNV-1a: a hash that needs no crate and is the same on every platform.
 pub fn fnv(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(*b)).wrapping_mul(0x0000_0100_0000_01b3))
+}
+
+/// The vertices of one level of detail, and the tracker of what they show.
+pub struct Level {
+    lod: usize,
+    pub positions: Vec<[f32; 3]>,
+    pub tracker: Tracker,
+}
+
+impl Level {
+    pub fn new(body: &mut Instance, lod: usize) -> Self {
+        let count = body.example_set().lod_mesh(lod).unwrap().positions().len();
+        let mut level = Level { lod, positions: vec![[0.0; 3]; count], tracker: Tracker::new() };
+        level.update(body);
+        level
+    }
+
+    pub fn update(&mut self, body: &mut Instance) {
+        body.fold();
+        let memory = VertexMemory::separate(&mut self.positions, None, None).unwrap();
+        deform(&mut [DeformJob { lod: self.lod, instance: body, tracker: &mut self.tracker, memory }], &Serial)
+            .unwrap();
+    }
 }

@@ -1,4 +1,5 @@
-//! Physics engines whose contacts go through the contact layer: Jolt on the demo's hood, and rapier, Bullet and Jolt on the truths' hits.
+//! Physics engines whose contacts go through the contact layer: Rapier in scenes of its own, Jolt on the demo's hood, and Rapier, Bullet
+//! and Jolt on the truths' hits.
 
 use std::path::Path;
 
@@ -13,10 +14,16 @@ use crate::workspace::Workspace;
 pub fn stage(workspace: &Workspace) -> Result<Outcome> {
     let programs = throws::build(workspace)?;
     all_passed(vec![
+        ("Rapier", rapier(workspace)),
         ("Jolt", jolt(workspace, &programs)),
         ("the truths in all engines", truths(workspace, &programs)),
     ])?;
     Ok(Outcome::Passed)
+}
+
+fn rapier(workspace: &Workspace) -> Result<()> {
+    let test = ["test", "--release", "--package", "crumple-lab", "--features", "engines", "--test", "rapier"];
+    Ok(workspace.cargo_anywhere(&test)?.run()?)
 }
 
 fn jolt(workspace: &Workspace, programs: &Path) -> Result<()> {

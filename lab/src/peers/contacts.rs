@@ -2,9 +2,6 @@
 //! go through the contact layer, and what it makes of them is all that Crumple is told. The difference to the blow itself is
 //! the error that engine and layer add.
 
-#[path = "../../../tests/scenes/rapier_contacts.rs"]
-mod rapier_contacts;
-
 use std::path::Path;
 use std::sync::Arc;
 
@@ -12,12 +9,12 @@ use anyhow::{Context, Result, ensure};
 use crumple::{ContactOptions, ExampleSet, Hit, Instance, InstanceOptions, Serial};
 use rapier3d::prelude::*;
 
+use super::rapier_contacts::RapierContacts;
 use crate::Options;
 use crate::metric::{deepest, dot64, median, quantile, relative_l2, sub};
 use crate::scene;
 use crate::table::{Table, num};
 use crate::truth::{self, Body, Field, Impact, Truth};
-use rapier_contacts::RapierContacts;
 
 /// The truths that know their blows.
 const TRUTHS: [Truth; 4] = [Truth::Shots, Truth::Structure, Truth::Steel, Truth::Dense];

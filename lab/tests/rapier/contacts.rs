@@ -1,17 +1,13 @@
 //! The contact layer behind a real engine: rapier's contacts as it reports them.
 
-mod scenes;
-
-#[path = "scenes/rapier_contacts.rs"]
-mod rapier_contacts;
-
 use std::sync::Arc;
 
 use crumple::glam::{Mat4, Quat, Vec3};
 use crumple::{Blow, ContactOptions, ContactReport, ExampleSet, Instance, SetOptions, Striker};
-use rapier_contacts::RapierContacts;
 use rapier3d::prelude::*;
-use scenes::{Dice, build, displacements, new};
+
+use crate::rapier_contacts::RapierContacts;
+use crate::scenes::{self, Dice, build, displacements, new};
 
 const MASS: f32 = 8.0;
 const UP: Vector = Vector::Z;
