@@ -206,6 +206,28 @@ fn marks_hold_the_hit_and_survive_saving_and_another_set() {
 }
 
 #[test]
+fn a_file_has_no_stamps_that_no_hit_reads_and_takes_damage_that_mixed_examples() {
+    let soft = Soft::new();
+    let mut set = ExampleSet::build(soft.mesh.clone(), soft.examples(30, 5), SetOptions::default(), &Serial).unwrap();
+    let report = set.learn_rule(&Serial).unwrap();
+    assert!(report.blows && report.displacements);
+    let stamps = |set: &ExampleSet| set.examples().iter().filter(|e| e.stamp().is_some()).count();
+    let loaded = Arc::new(ExampleSet::load_copy(&set.save().unwrap(), &Serial).unwrap());
+    assert_eq!((stamps(&set), stamps(&loaded)), (30, 0));
+    // Damage of a set that had learned nothing, of other examples.
+    let plain = build(soft.mesh.clone(), soft.examples(6, 5), SetOptions::default());
+    let mut body = new(&plain);
+    body.submit(&scenes::push([0.1, 0.1, 0.0], [0.0, 0.0, -0.02])).unwrap();
+    let (bytes, mapping) = map_damage(&plain, &loaded, &body.save(), 0.01).unwrap();
+    assert_eq!((mapping.kept, mapping.without_example), (1, 0));
+    let mut mapped = new(&loaded);
+    mapped.load(&bytes).unwrap();
+    assert!(mapped.marks().unwrap()[0].is_predicted());
+    let error = relative_l2(&displacements(&mut mapped), &displacements(&mut body));
+    assert!(error < 0.3, "{error}");
+}
+
+#[test]
 fn bad_marks_and_bodies_are_refused() {
     let soft = Soft::new();
     let plain = build(soft.mesh.clone(), soft.examples(6, 5), SetOptions::default());

@@ -168,6 +168,11 @@ impl LearnedRule {
         [self.predictor.knows_blows(), self.predictor.knows_displacements()]
     }
 
+    /// Whether no hit mixes the nearest examples.
+    pub(crate) fn predicts_all(&self) -> bool {
+        self.predicts() == [true; 2]
+    }
+
     /// What is known of a blow on a surface with this unit normal. `None` if it points out of the body.
     pub(crate) fn strike(&self, blow: &blow::Blow, normal: Vec3) -> Option<Strike> {
         self.predictor.strike(&known_blow(blow), normal)

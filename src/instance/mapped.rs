@@ -2,8 +2,10 @@
 
 use super::archive::{are_many, of, pack, unpack_all};
 use crate::base::error::{Error, reserve};
+use crate::damage::dent::{frame_rotations, place};
 use crate::damage::mark::{Mark, Pair};
 use crate::damage::saved;
+use crate::damage::told::Told;
 use crate::example::example::Example;
 use crate::example::set::ExampleSet;
 use std::collections::HashMap;
@@ -30,7 +32,7 @@ pub struct Mapping {
 ///
 /// - A mark goes to the vertex nearest to its contact, at most `max_distance` away, m (0 to infinity).
 /// - An example is the one of the same name. If a set has several of one name, the n-th is the n-th of the other set,
-///   which must have as many.
+///   which must have as many. Where it is missing, a set that predicts displacements gets that of the mark's contact.
 /// - A mark that does not fit is left out as a whole, and counted in the [`Mapping`].
 ///
 /// Both meshes are in the same space: positions are compared as they are. Damage mapped to an equal mesh with the same
@@ -107,23 +109,24 @@ impl Mapper<'_> {
         Ok(out)
     }
 
-    fn mark(&mut self, mark: Mark) -> Result<Option<Mark>, Error> {
+    fn mark(&mut self, mut mark: Mark) -> Result<Option<Mark>, Error> {
         let mut pairs = mark.pairs;
-        let mut missing = false;
+        let mut missing = Vec::new();
         for pair in pairs.iter_mut().filter(|pair| !pair.is_none() && !mark.is_predicted()) {
             match self.examples[usize::from(pair.example)]
                 .filter(|new| fits(&self.to.examples()[usize::from(*new)], *pair))
             {
                 Some(new) => pair.example = new,
-                None => {
-                    self.mapping.missing_examples.push(pair.example);
-                    missing = true;
-                }
+                None => missing.push(pair.example),
             }
         }
-        if missing {
-            self.mapping.without_example += 1;
-            return Ok(None);
+        if !missing.is_empty() {
+            let Some(told) = self.as_displacement(&mark) else {
+                self.mapping.missing_examples.append(&mut missing);
+                self.mapping.without_example += 1;
+                return Ok(None);
+            };
+            (mark, pairs) = (told, told.pairs);
         }
         let position = self.from.mesh().positions()[mark.contact as usize];
         let nearest = self.to.nearest_vertex(position.to_array())?;
@@ -136,6 +139,16 @@ impl Mapper<'_> {
         *(if stays { &mut self.mapping.kept } else { &mut self.mapping.moved }) += 1;
         self.mapping.distance = self.mapping.distance.max(nearest.distance);
         Ok(Some(Mark { contact: nearest.vertex, pairs, ..mark }))
+    }
+
+    /// A mark of examples as a hit told as the displacement of its contact, if the new set predicts those.
+    fn as_displacement(&self, mark: &Mark) -> Option<Mark> {
+        self.to.rule().filter(|rule| rule.predicts()[1])?;
+        let rotations = frame_rotations(self.from, mark.contact, &mark.pairs);
+        let moved = place(self.from, mark.contact, mark.depth, &mark.pairs, &rotations).achieved;
+        let normal = self.from.mesh().contact_normal(mark.contact)?;
+        let pairs = Told::Displacement(moved.try_normalize()?).pairs(normal);
+        Some(Mark { depth: moved.length(), pairs, ..*mark })
     }
 }
 

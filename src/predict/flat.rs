@@ -72,8 +72,10 @@ impl Flat<'_> {
         part.factors.copy_from_slice(&factors);
         self.numbers(&mut part.mean)?;
         self.numbers(&mut part.coefficients)?;
-        self.numbers(&mut part.modes)?;
+        self.numbers(&mut part.steps)?;
+        self.array(&mut part.modes)?;
         let rank = part.mean.len();
+        length("a number of steps", part.steps.len(), rank)?;
         length("a number of coefficients", part.coefficients.len(), rank * rows)?;
         length("a number of modes", part.modes.len(), rank * columns)
     }

@@ -364,7 +364,7 @@ impl Data<'_> {
             most: logs.iter().copied().fold(f64::NEG_INFINITY, f64::max),
             logs,
             size,
-            carried: Part { factors: lengths.factors(), mean, coefficients, modes: low.modes },
+            carried: Part::new(lengths.factors(), mean, coefficients, &low.modes),
             stretch,
             reference,
             far: 1.0,
@@ -440,7 +440,7 @@ impl Data<'_> {
                     let score: f64 = own.map(|i| errors[i].min(2.0).sqrt()).sum();
                     if best.as_ref().is_none_or(|b| score < b.0) {
                         let (mean, coefficients) = kriging.coefficients(&low.coefficients, rank);
-                        let part = Part { factors: lengths.factors(), mean, coefficients, modes: low.modes.clone() };
+                        let part = Part::new(lengths.factors(), mean, coefficients, &low.modes);
                         best = Some((score, errors, w, *factor, part));
                     }
                 }

@@ -34,11 +34,25 @@ pub(super) struct Part {
     pub mean: Vec<f64>,
     /// `rank` numbers a point.
     pub coefficients: Vec<f64>,
-    /// `rank` rows.
-    pub modes: Vec<f32>,
+    /// What a unit of each mode is.
+    pub steps: Vec<f32>,
+    /// `rank` rows, in units of their steps.
+    pub modes: Vec<i16>,
 }
 
 impl Part {
+    /// `modes` are rows; they are rounded to 16 bits.
+    pub(super) fn new(factors: [f64; GROUPS], mean: Vec<f64>, coefficients: Vec<f64>, modes: &[f32]) -> Self {
+        let mut part = Part { factors, mean, coefficients, ..Part::default() };
+        for mode in modes.chunks_exact((modes.len() / part.mean.len().max(1)).max(1)) {
+            let most = mode.iter().fold(f32::MIN_POSITIVE, |m, x| m.max(x.abs()));
+            let step = most / f32::from(i16::MAX);
+            part.modes.extend(mode.iter().map(|x| (x / step).round() as i16));
+            part.steps.push(step);
+        }
+        part
+    }
+
     /// Adds the prediction's row to `out`.
     fn add(&self, n: usize, d2: &[f64], scratch: &mut Vec<f64>, weights: &mut Vec<f64>, out: &mut [f32]) {
         let rank = self.mean.len();
@@ -58,8 +72,8 @@ impl Part {
             super::linear::add(weights, *k, row);
         }
         let columns = out.len();
-        for (w, mode) in weights.iter().zip(self.modes.chunks_exact(columns)) {
-            super::linear::add32(out, *w as f32, mode);
+        for ((w, step), mode) in weights.iter().zip(&self.steps).zip(self.modes.chunks_exact(columns)) {
+            super::linear::add16(out, (w * f64::from(*step)) as f32, mode);
         }
     }
 }
@@ -188,7 +202,7 @@ impl Predictor {
 
     /// Bytes of the arrays.
     pub fn bytes(&self) -> usize {
-        let part = |p: &Part| p.modes.len() * 4 + (p.coefficients.len() + p.mean.len()) * 8;
+        let part = |p: &Part| p.modes.len() * 2 + p.steps.len() * 4 + (p.coefficients.len() + p.mean.len()) * 8;
         let model = |m: &Model| part(&m.carried) + part(&m.anchored) + m.rows.len() * (2 * 104 + 8 * 3 + 8);
         let partners: usize = self.partners.iter().map(|(_, p)| 4 * p.len()).sum();
         self.points.len() * 24

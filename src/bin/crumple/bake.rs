@@ -144,7 +144,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     file.fill(&bytes)?;
     let length = bytes.len();
     let start = Instant::now();
-    ExampleSet::load(bytes, &pool).context("the baked set does not load")?;
+    let written = ExampleSet::load(bytes, &pool).context("the baked set does not load")?;
     let loaded = start.elapsed();
     file.commit()?;
     permutation.map(Output::commit).transpose()?;
@@ -157,8 +157,13 @@ pub fn run(arguments: &Arguments) -> Result<String> {
         info::parts(&mut text, &imported.parts)?;
         text.push('\n');
     }
-    sizes(&mut text, &set, length);
-    stamps(&mut text, &set)?;
+    let held = written.report().stamp_bytes;
+    sizes(&mut text, &set, (length, held));
+    if held == 0 && set.report().stamp_bytes > 0 {
+        writeln!(text, "\n  stamps    none: the set predicts every hit from all of its examples")?;
+    } else {
+        stamps(&mut text, &set)?;
+    }
     if let Some(report) = set.basis_report() {
         followed(&mut text, &report, arguments.basis)?;
     }
@@ -203,8 +208,8 @@ fn megabytes(bytes: usize) -> String {
     if bytes < 100_000 { format!("{:.1} kB", bytes as f64 * 1e-3) } else { format!("{:.2} MB", bytes as f64 * 1e-6) }
 }
 
-/// Reports the bytes of each part, compared with the plain sparse form.
-fn sizes(text: &mut String, set: &ExampleSet, file: usize) {
+/// Reports the bytes of each part of a file, of which its stamps take so many, compared with the plain sparse form.
+fn sizes(text: &mut String, set: &ExampleSet, (file, stamps): (usize, usize)) {
     let report = set.report();
     let moved = report.moved_vertices.max(1);
     let whole = if set.options().whole_examples { report.anchored_bytes } else { 0 };
@@ -215,9 +220,9 @@ fn sizes(text: &mut String, set: &ExampleSet, file: usize) {
     };
     row("plain sparse displacements", moved * SPARSE);
     row("whole examples", whole);
-    row("stamps", report.stamp_bytes);
+    row("stamps", stamps);
     row("nodes", nodes);
-    row("mesh, index and the rest", file - whole - report.stamp_bytes - nodes);
+    row("mesh, index and the rest", file - whole - stamps - nodes);
     row("file", file);
     table.write(text);
     let [vertices, examples] = [(moved, "vertex", "vertices"), (set.examples().len(), "example", "examples")]

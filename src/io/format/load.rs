@@ -107,6 +107,12 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
         }
         set.set_rule(LearnedRule::from_bytes(&set.rule_source(&set.nodes().lod), &rule)?);
     }
+    let lacks_stamp = |e: &&Example| e.placement() != Placement::Anchored && !e.is_empty() && e.stamp().is_none();
+    let lacking = set.examples().iter().filter(lacks_stamp).count();
+    if lacking > 0 && !set.rule().is_some_and(LearnedRule::predicts_all) {
+        let expected = "0 unless the set predicts every hit from all examples";
+        return Err(wrong("the number of carried examples without a stamp", lacking, expected));
+    }
     Ok(set)
 }
 
@@ -438,8 +444,8 @@ fn example(
     if carried && lod.mesh.normals().is_none() {
         return Err(wrong(of("the placement"), r.placement, "1 (anchored) on a mesh without normals"));
     }
-    if stamp.is_some() != (carried && r.moved > 0) {
-        return Err(wrong(of("the stamp"), r.stamp, "there where it may be carried and moves anything"));
+    if stamp.is_some() && !(carried && r.moved > 0) {
+        return Err(wrong(of("the stamp"), r.stamp, "0 where it is not carried or moves nothing"));
     }
     Ok(Example {
         name: name.to_owned(),

@@ -10,6 +10,7 @@ use crate::example::data::Placement;
 use crate::example::example::Example;
 use crate::example::mesh_lod::MeshLod;
 use crate::example::options::VertexMass;
+use crate::example::rule::LearnedRule;
 use crate::example::set::ExampleSet;
 use crate::example::stamp::{Node, Stamp};
 use bytemuck::{Pod, bytes_of, cast_slice};
@@ -180,7 +181,7 @@ impl<'a> File<'a> {
                     Placement::Carried => 2,
                 },
                 stays: learned.anchored[i].into(),
-                stamp: e.stamp().is_some().into(),
+                stamp: stamp(set, e).is_some().into(),
                 shape: e.blow().striker.shape as u8,
                 blow: blow_of(e.blow()),
             })
@@ -191,7 +192,7 @@ impl<'a> File<'a> {
         if let VertexMass::PerVertex(masses) = &o.mass {
             self.array(Id::Masses, 0, masses);
         }
-        let stamps = || set.examples().iter().filter_map(Example::stamp);
+        let stamps = || set.examples().iter().filter_map(|e| stamp(set, e));
         let records: Vec<StampRecord> = stamps().map(record_of).collect();
         self.records(Id::Stamps, 0, &records);
         let nodes = stamps().map(|s| Cow::Borrowed(cast_slice(&s.nodes)));
@@ -234,6 +235,11 @@ impl<'a> File<'a> {
         let words = examples.iter().map(|a| Cow::Borrowed(cast_slice(&a.words)));
         self.pieces(Id::Words, k, size_of::<u64>(), words.collect());
     }
+}
+
+/// An example's stamp, if hits on the loaded set can need it. Those that the set predicts from all examples read none.
+fn stamp<'a>(set: &ExampleSet, example: &'a Example) -> Option<&'a Stamp> {
+    example.stamp().filter(|_| holds_whole(set) || !set.rule().is_some_and(LearnedRule::predicts_all))
 }
 
 /// Whether the file of a set holds its examples whole.
