@@ -17,6 +17,7 @@ use crate::workspace::{Workspace, empty_directory, files, jobs};
 
 /// CMake projects whose programs are tests, each with the name of its build directory.
 pub const OURS: &[(&str, &str)] = &[("examples-c", "examples-c"), ("tests/c", "tests-c")];
+/// The one that makes every call of the library.
 pub const TESTS: &[(&str, &str)] = &[OURS[1]];
 /// All projects: ours and Unity's renderer plugin.
 const ALL: &[(&str, &str)] = &[OURS[0], OURS[1], ("bindings/unity/native~", "unity")];
