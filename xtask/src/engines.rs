@@ -11,6 +11,9 @@ use crate::stage::{Outcome, all_passed};
 use crate::throws;
 use crate::workspace::Workspace;
 
+/// What is built of the lab.
+const TESTED: &[&str] = &["--features", "engines", "--test", "rapier"];
+
 pub fn stage(workspace: &Workspace) -> Result<Outcome> {
     let programs = throws::build(workspace)?;
     all_passed(vec![
@@ -22,8 +25,8 @@ pub fn stage(workspace: &Workspace) -> Result<Outcome> {
 }
 
 fn rapier(workspace: &Workspace) -> Result<()> {
-    let test = ["test", "--release", "--package", "crumple-lab", "--features", "engines", "--test", "rapier"];
-    Ok(workspace.cargo_anywhere(&test)?.run()?)
+    let test = ["test", "--release", "--package", "crumple-lab"];
+    Ok(workspace.cargo_anywhere(&test)?.args(TESTED).run()?)
 }
 
 fn jolt(workspace: &Workspace, programs: &Path) -> Result<()> {
@@ -33,7 +36,8 @@ fn jolt(workspace: &Workspace, programs: &Path) -> Result<()> {
 }
 
 fn truths(workspace: &Workspace, programs: &Path) -> Result<()> {
-    let program = lab::program(workspace, &["--features", "engines"])?;
+    // With the test, so that Cargo does not build the engines again without the features that tests enable.
+    let program = lab::program(workspace, &[TESTED, &["--bins"]].concat())?;
     let out = workspace.target.join("lab-engines");
     Ok(cmd!(workspace.shell, "{program} contacts --check --throws {programs} --out {out}").run()?)
 }
