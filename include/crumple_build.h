@@ -236,8 +236,8 @@ CrumpleResult crumple_example_set_get_example(CrumpleContext *context, CrumpleEx
 
 /// Maps damage that was saved with old_set to set, another revision of it: a changed mesh, other examples. Each mark
 /// goes to the nearest vertex, at most max_distance away, m (0 to infinity). An example is the one of the same name; of
-/// several with one name, the n-th, if both sets have as many. Where it is missing, a set that predicts displacements
-/// gets that of the mark's contact. A mark that does not fit is left out as a whole. data is
+/// several with one name, the n-th, if both sets have as many. If it is missing and set predicts displacements, the mark
+/// becomes a hit told as the displacement of its contact. A mark that does not fit is left out as a whole. data is
 /// what crumple_instance_save_damage() or crumple_context_save_damage() gave; in the latter, damage of other sets stays
 /// as it is. out_mapping may be null. Errors: CRUMPLE_ERROR_DAMAGE_MISMATCH (not old_set's, or another version, a
 /// classic rule, or cut short), CRUMPLE_ERROR_INVALID_ARGUMENT (a mark that old_set cannot have, or max_distance).

@@ -120,7 +120,8 @@ impl Example {
         self.whole.as_ref().map_or(Vec3::ZERO, |whole| whole.normal_delta(v))
     }
 
-    /// The stamp used to carry the example. `None` for an anchored or empty example.
+    /// The stamp used to carry the example. `None` for an anchored or empty example, and for all of a set from a file that predicts
+    /// every hit from all of its examples.
     pub fn stamp(&self) -> Option<&Stamp> {
         self.stamp.as_ref()
     }

@@ -32,7 +32,8 @@ pub struct Mapping {
 ///
 /// - A mark goes to the vertex nearest to its contact, at most `max_distance` away, m (0 to infinity).
 /// - An example is the one of the same name. If a set has several of one name, the n-th is the n-th of the other set,
-///   which must have as many. Where it is missing, a set that predicts displacements gets that of the mark's contact.
+///   which must have as many. If it is missing and `to` predicts displacements, the mark becomes a hit told as the displacement
+///   of its contact.
 /// - A mark that does not fit is left out as a whole, and counted in the [`Mapping`].
 ///
 /// Both meshes are in the same space: positions are compared as they are. Damage mapped to an equal mesh with the same
@@ -109,10 +110,10 @@ impl Mapper<'_> {
         Ok(out)
     }
 
-    fn mark(&mut self, mut mark: Mark) -> Result<Option<Mark>, Error> {
-        let mut pairs = mark.pairs;
+    fn mark(&mut self, mark: Mark) -> Result<Option<Mark>, Error> {
+        let mut mapped = mark;
         let mut missing = Vec::new();
-        for pair in pairs.iter_mut().filter(|pair| !pair.is_none() && !mark.is_predicted()) {
+        for pair in mapped.pairs.iter_mut().filter(|pair| !pair.is_none() && !mark.is_predicted()) {
             match self.examples[usize::from(pair.example)]
                 .filter(|new| fits(&self.to.examples()[usize::from(*new)], *pair))
             {
@@ -126,7 +127,7 @@ impl Mapper<'_> {
                 self.mapping.without_example += 1;
                 return Ok(None);
             };
-            (mark, pairs) = (told, told.pairs);
+            mapped = told;
         }
         let position = self.from.mesh().positions()[mark.contact as usize];
         let nearest = self.to.nearest_vertex(position.to_array())?;
@@ -138,7 +139,7 @@ impl Mapper<'_> {
         let stays = self.to.mesh().positions()[nearest.vertex as usize] == position;
         *(if stays { &mut self.mapping.kept } else { &mut self.mapping.moved }) += 1;
         self.mapping.distance = self.mapping.distance.max(nearest.distance);
-        Ok(Some(Mark { contact: nearest.vertex, pairs, ..mark }))
+        Ok(Some(Mark { contact: nearest.vertex, ..mapped }))
     }
 
     /// A mark of examples as a hit told as the displacement of its contact, if the new set predicts those.

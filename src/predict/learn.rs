@@ -385,8 +385,9 @@ impl Data<'_> {
         let used = some_rows(&groups, FIT_ROWS);
         let contacts: Vec<usize> = images.iter().map(|i| nearest(self.body.points, i.contact)).collect();
         let mut kriging: Option<(Kriging, Lengths)> = None;
-        // Score, errors, share, factor, and the part.
-        let mut best: Option<(f64, Vec<f64>, f64, f64, Part)> = None;
+        // Score, errors, share and factor; the part is that of their start.
+        let mut best: Option<(f64, Vec<f64>, f64, f64)> = None;
+        let mut part = Part::default();
         for start in [STARTS[1], STARTS[0], STARTS[2]] {
             let mut rest = unit.clone();
             add32(&mut rest, -start as f32, &carried);
@@ -416,6 +417,7 @@ impl Data<'_> {
                     [dot32(&c, &c), dot32(&c, &field), dot32(&field, &field), dot32(&c, &y), dot32(&field, &y)];
                 terms.push((products, at(&c), at(&field)));
             }
+            let before = best.as_ref().map(|b| b.0);
             for step in 0..=10 {
                 let w = 0.1 * f64::from(step);
                 let v = 1.0 - w;
@@ -439,14 +441,16 @@ impl Data<'_> {
                     let own = (0..n).filter(|i| images[*i].mirror == Mirror::NONE);
                     let score: f64 = own.map(|i| errors[i].min(2.0).sqrt()).sum();
                     if best.as_ref().is_none_or(|b| score < b.0) {
-                        let (mean, coefficients) = kriging.coefficients(&low.coefficients, rank);
-                        let part = Part::new(lengths.factors(), mean, coefficients, &low.modes);
-                        best = Some((score, errors, w, *factor, part));
+                        best = Some((score, errors, w, *factor));
                     }
                 }
             }
+            if best.as_ref().map(|b| b.0) != before {
+                let (mean, coefficients) = kriging.coefficients(&low.coefficients, rank);
+                part = Part::new(lengths.factors(), mean, coefficients, &low.modes);
+            }
         }
-        if let Some((_, errors, share, factor, part)) = best {
+        if let Some((_, errors, share, factor)) = best {
             let mut sorted = errors.clone();
             sorted.sort_by(f64::total_cmp);
             model.far = sorted[sorted.len() * 9 / 10].min(2.0);
