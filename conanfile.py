@@ -16,7 +16,7 @@ class Crumple(ConanFile):
     # Cargo reads the manifests of the whole workspace.
     exports_sources = (
         "CMakeLists.txt", "Cargo.*", "build.rs", "build/*", "cmake/*", "include/*", "src/*", "LICENSE-*", "README.md",
-        "lab/Cargo.toml", "lab/src/*", "xtask/Cargo.toml", "xtask/src/*",
+        "lab/Cargo.toml", "lab/src/*", "lab/tests/*", "xtask/Cargo.toml", "xtask/src/*",
     )
 
     def set_version(self):
