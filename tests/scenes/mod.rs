@@ -16,7 +16,7 @@ use crumple::{
     Tracker, VertexMemory, deform,
 };
 
-pub use solver::solver;
+pub use solver::{repository, solver};
 
 /// Number of random cases of a property: `count` in a test run, `CRUMPLE_SOAK` times as many in a soak run. A failure
 /// prints its seed, which repeats the case. No regression files are written.

@@ -1,14 +1,14 @@
 //! Compares predicted dents with those of an independent elasto-plastic solver, on impacts that no example shows. The
-//! table has the classic rule beside carried examples. `cargo test --test accuracy -- --nocapture` prints it.
+//! table has the classic rule beside carried examples. `cargo test -p crumple-lab --test accuracy -- --nocapture` prints it.
 //!
 //! Errors are the relative L2 norm of the displacement field over all vertices: median and 90th percentile over 16
 //! held-out impacts per body. A hit is what an engine would report: the contact point and the displacement wanted
 //! there.
 
+#[path = "../../tests/scenes/mod.rs"]
 mod scenes;
 
 use std::fs::File;
-use std::path::Path;
 use std::sync::Arc;
 
 use crumple::glam::Vec3;
@@ -23,7 +23,7 @@ struct HeldOut {
 
 impl HeldOut {
     fn read(body: &str) -> Self {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("assets/solver/{body}_heldout.npz"));
+        let path = scenes::repository().join(format!("assets/solver/{body}_heldout.npz"));
         let mut archive = zip::ZipArchive::new(File::open(path).expect("the committed asset")).unwrap();
         let mut array = |name: &str| -> Vec<f32> {
             let file = archive.by_name(&format!("{name}.npy")).expect("an array of that name");
