@@ -209,43 +209,6 @@ With as many examples as a body has, at most 100:
 """
 
 
-def readme_table(directory):
-    """The README's table and what it means for a user, from the same figures."""
-    t = read(directory, "told.csv")
-    path = HERE.parents[1] / "README.md"
-    if t is None or directory.resolve() != HERE.parents[1] / "docs/lab":
-        return
-    titles = {
-        ("shots", "panel"): "shots at a panel", ("shots", "tube"): "shots at a drum",
-        ("presses", "panel"): "presses into a panel", ("presses", "tube"): "presses into a drum",
-        ("structure", "door"): "hits on a door (crease, free edge, inner frame)", ("structure", "box"): "hits on the front of a vehicle (bends)",
-        ("steel", "hood"): "hits on a steel hood on a welded frame",
-    }
-
-    def cell(row):
-        return pair(row) if row else "–"
-
-    lines = []
-    for truth, body, train, test, _ in sorted(EVERY_BODY, key=lambda b: list(titles).index(b[:2])):
-        of = lambda **wanted: t.one(truth=truth, body=body, train=train, test=test, **wanted)
-        floor = t.one(truth=truth, body=body, method="floor")["rel_l2_median"]
-        found = [of(told="blow", method="crumple", examples=8), of(told="blow", method="crumple", examples=FULL), of(told="displacement", method="crumple", examples=FULL), of(told="blow", method="classic", examples=FULL)]
-        lines.append([titles[truth, body], *map(cell, found), f"{floor:g}"])
-    doors = [t.one(truth="structure", body="door", train=a, test=b, told="blow", method="crumple", examples=8) for a in ("train", "train_free") for b in ("heldout", "play")]
-    span = lambda key, show: " to ".join(dict.fromkeys([show(min(d[key] for d in doors)), show(max(d[key] for d in doors))]))
-    one = lambda x: f"{x:.1f}"
-    percent = lambda x: f"{5 * round(20 * x)}"
-    head = ["impacts", "told the blow, 8 examples", f"told the blow, {FULL}", f"told the displacement, {FULL}", f"classic, told the blow, {FULL}", "the truth's own noise"]
-    made = f"""{table(head, lines)}
-With eight examples of a real door, expect a median error of {span("rel_l2_median", one)}, and
-in one hit of ten an error above {span("rel_l2_p90", one)}: the dent lies where the body was hit, its depth is wrong by about {span("depth_error_median", percent)} %,
-and its outline is only roughly right.
-"""
-    begin, end = "<!-- from docs/lab/told.csv -->\n", "<!-- end of docs/lab/told.csv -->"
-    before, rest = path.read_text().split(begin, 1)
-    path.write_text(before + begin + made + end + rest.split(end, 1)[1])
-
-
 LEARNING = [
     ("shots", "panel", "shots at a panel"), ("shots", "tube", "shots at a drum"), ("steel", "hood", "hits on a steel hood on a welded frame"),
     ("structure", "door", "hits on a door"), ("structure", "box", "hits on the front of a vehicle"),
@@ -298,13 +261,20 @@ Told the displacement, with all of them:
 """
 
 
-def learned_table(directory):
-    """The same in few words, for the front page."""
-    path = directory.parent.parent / "README.md"
-    if read(directory, "learn.csv") is None or not path.exists():
+def readme_table(directory):
+    """What sets that have learned know, for the front page."""
+    t = read(directory, "learn.csv")
+    path = HERE.parents[1] / "README.md"
+    if t is None or directory.resolve() != HERE.parents[1] / "docs/lab":
         return
-    lines = [r for r in learning_rows(directory, (8, 24, 100), ("learned",)) if "hundreds" in r[0] or "hood" in r[0]]
-    made = table(["told the blow", "8 examples", "24", "100", "all (how many)"], lines)
+    lines = []
+    for truth, body, name in LEARNING:
+        most = max(r["examples"] for r in t.where(truth=truth, body=body))
+        of = lambda method, n, told="blow": t.one(truth=truth, body=body, told=told, method=method, examples=n)
+        counts = [pair(of("learned", n)) for n in (8, 24, 100)]
+        peers = [number(of(method, most)["rel_l2_median"]) for method in ("radial", "classic")]
+        lines.append([name, *counts, f"{pair(of('learned', most))} ({most:.0f})", pair(of("learned", most, "displacement")), *peers])
+    made = table(["told the blow", "8 examples", "24", "100", "all (how many)", "told the displacement", "radial profile", "classic"], lines)
     begin, end = "<!-- from docs/lab/learn.csv -->\n", "<!-- end of docs/lab/learn.csv -->"
     before, rest = path.read_text().split(begin, 1)
     path.write_text(before + begin + made + end + rest.split(end, 1)[1])
@@ -511,7 +481,6 @@ paper ([model](../model.md#the-classic-rule)); charts call it "literature".
         text = text.replace("\n\n\n", "\n\n")
     (directory / "README.md").write_text(text.rstrip() + "\n")
     readme_table(directory)
-    learned_table(directory)
     print(f"report: {directory / 'README.md'}")
 
 
