@@ -99,10 +99,13 @@ pub fn memory(workspace: &Workspace) -> Result<()> {
 fn sanitized(workspace: &Workspace, sanitizer: &str, tests: &[&str]) -> Result<()> {
     let (host, home) = (workspace.rustc("host")?, workspace.target.join("sanitizers").join(sanitizer));
     let arguments = ["-Zbuild-std", "--package", "crumple", "--lib", "--target", &host];
+    // The tests take seconds, and to compile takes minutes.
+    let fast = ["--config", "profile.dev.package.crumple.opt-level=0"];
     cmd!(
         workspace.shell,
-        "rustup run nightly cargo test {arguments...} {FEATURES...} --target-dir {home} -- {tests...}"
+        "rustup run nightly cargo {fast...} test {arguments...} {FEATURES...} --target-dir {home} -- {tests...}"
     )
+    .env("CARGO_PROFILE_DEV_OPT_LEVEL", "0")
     .env("RUSTFLAGS", flags(sanitizer))
     .env("TSAN_OPTIONS", "halt_on_error=1")
     .run()?;

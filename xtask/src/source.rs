@@ -61,7 +61,11 @@ pub fn conan(workspace: &Workspace) -> Result<Outcome> {
         install::copy(&file, &client)?;
     }
     let _home = sh.push_env("CONAN_HOME", &home);
-    // Cargo finds the dependencies that the installer built.
+    // Cargo builds in a folder below, and finds the dependencies that the installer built. The library alone is another one, which is not
+    // optimised: that would take a minute.
+    let cargo = home.join(".cargo");
+    fs::create_dir(&cargo)?;
+    fs::write(cargo.join("config.toml"), "[profile.release.package.crumple]\nopt-level = 0\n")?;
     let _flags = sh.push_env("CARGO_ENCODED_RUSTFLAGS", workspace.anywhere()?.join("\u{1f}"));
     let target = workspace.target.display();
     // In the cache: CMake would prefer the default there to a plain variable.

@@ -7,15 +7,14 @@ use std::process::Command;
 use anyhow::{Context, Result, ensure};
 use xshell::{Shell, cmd};
 
-/// The packages and features of every test build with `--all`. Cargo builds another library for each other choice. The physics engines
-/// that the lab compares with are left out: they take longer to build than all the rest.
+/// The packages and features of every test build with `--all`. Cargo builds another library for each other choice.
 const ALL_TESTED: &[&str] = &[
     "--package",
     "crumple",
     "--package",
     "crumple-lab",
     "--features",
-    "crumple/cli,crumple/host-allocator,crumple/wgpu,crumple-lab/gpu",
+    "crumple/cli,crumple/host-allocator,crumple/wgpu,crumple-lab/engines,crumple-lab/gpu",
 ];
 /// Without `--all`.
 const TESTED: &[&str] = &["--package", "crumple", "--features", "crumple/cli,crumple/host-allocator"];
