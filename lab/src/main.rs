@@ -2,11 +2,13 @@
 //! where methods fail. `cargo xtask lab` runs all of it and draws the charts; each part writes CSV files.
 
 // What only the engines and graphics devices need.
-#![cfg_attr(not(all(feature = "engines", feature = "gpu")), allow(dead_code))]
+#![cfg_attr(not(all(feature = "engines", feature = "gpu")), allow(dead_code, unused_imports))]
 
 mod accuracy;
 mod bench;
 mod combine;
+#[cfg(feature = "engines")]
+mod crash;
 #[cfg(feature = "gpu")]
 mod gpu;
 mod machine;
@@ -20,7 +22,6 @@ mod street;
 mod table;
 mod timing;
 mod truth;
-mod vehicle;
 
 use std::path::PathBuf;
 
@@ -66,8 +67,9 @@ enum Part {
     Compiled(gpu::compiled::Options),
     /// 1000 dented bodies before a camera: levels of detail, tolerances, vertex budgets
     Scene(Options),
-    /// The frames of examples-c/vehicle.cpp as an animation
-    Vehicle(vehicle::Options),
+    /// The frames of a film: a car into a post, and another into its side
+    #[cfg(feature = "engines")]
+    Crash(Options),
 }
 
 /// What every part is told.
@@ -113,6 +115,7 @@ fn main() -> Result<()> {
         #[cfg(feature = "gpu")]
         Part::Compiled(options) => gpu::compiled::run(&options),
         Part::Scene(options) => street::run(&options),
-        Part::Vehicle(options) => vehicle::run(&options),
+        #[cfg(feature = "engines")]
+        Part::Crash(options) => crash::run(&options),
     }
 }

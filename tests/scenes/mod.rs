@@ -4,6 +4,7 @@
 mod solver;
 
 use std::collections::HashMap;
+use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
 use proptest::prelude::ProptestConfig;
@@ -16,7 +17,13 @@ use crumple::{
     Tracker, VertexMemory, deform,
 };
 
-pub use solver::{repository, solver};
+pub use solver::solver;
+
+/// The repository's root. The lab's tests read its files too.
+pub fn repository() -> &'static Path {
+    let mut folders = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors();
+    folders.find(|folder| folder.join("assets/solver").is_dir()).expect("a folder around the package")
+}
 
 /// Number of random cases of a property: `count` in a test run, `CRUMPLE_SOAK` times as many in a soak run. A failure
 /// prints its seed, which repeats the case. No regression files are written.

@@ -48,6 +48,7 @@ const PARTS: &[Part] = &[
     Part { measures: Some("pictures"), ..part("pictures") },
     Part { measures: Some("speed"), ..part("speed") },
     Part { measures: Some("scene"), ..part("scene") },
+    Part { measures: Some("crash"), script: Some("film.py"), ..part("crash") },
     Part { shows: Some("draw.py"), ..part("charts") },
     Part { shows: Some("report.py"), ..part("report") },
 ];

@@ -5,7 +5,7 @@
 mod calibrate;
 mod contacts;
 mod rapier;
-mod rapier_contacts;
+pub mod rapier_contacts;
 mod sheet;
 mod sweeps;
 

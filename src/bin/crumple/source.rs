@@ -1,13 +1,17 @@
 //! Reads a mesh and its examples from a file.
 
-use crate::{picture::Coat, units, vertices::Vertices};
+use crate::{
+    picture::{self, Coat},
+    units,
+    vertices::Vertices,
+};
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use crumple::{
     ExampleSet, Instance, SetOptions, TaskSystem,
     export::Exported,
     glam::{Mat3, Mat4, Vec3},
-    import::{self, Imported, MeshChoice, Part, PartKind, Patterns, PrimitiveRange, Reading},
+    import::{self, Imported, MeshChoice, Part, PartKind, Patterns, Reading},
 };
 use std::{
     io::Read,
@@ -91,42 +95,6 @@ impl File {
         let Reading { targets, rigid, glass, moving, unit, .. } = self.reading.clone();
         Reading { mesh, targets, rigid, glass, moving, unit }
     }
-
-    /// How the materials of these primitives look, and the index of the material of each vertex.
-    fn coats(&self, primitives: &[PrimitiveRange], vertices: usize) -> (Vec<Coat>, Vec<f32>) {
-        // A GLB's first chunk is its JSON; its length is the fourth number of the file.
-        let chunk = |from: usize, to: usize| self.bytes.get(from..to);
-        let text = match chunk(0, 4) {
-            Some(b"glTF") => {
-                let length = chunk(12, 16).and_then(|four| four.try_into().ok()).map_or(0, u32::from_le_bytes);
-                chunk(20, 20usize.saturating_add(length as usize))
-            }
-            _ => Some(&self.bytes[..]),
-        };
-        let file: serde_json::Value = text.and_then(|text| serde_json::from_slice(text).ok()).unwrap_or_default();
-        let materials = file["materials"].as_array().map(Vec::as_slice).unwrap_or_default();
-        let number = |value: &serde_json::Value| value.as_f64().unwrap_or(1.0) as f32;
-        let coat = |material: &serde_json::Value| {
-            let look = &material["pbrMetallicRoughness"];
-            let [red, green, blue, opaque] = [0, 1, 2, 3].map(|channel| number(&look["baseColorFactor"][channel]));
-            // Nothing is drawn behind glass, which is dark.
-            Coat::of(
-                Vec3::new(red, green, blue) * opaque,
-                number(&look["metallicFactor"]),
-                number(&look["roughnessFactor"]),
-            )
-        };
-        // The last one is of primitives without a material, which is white.
-        let coats: Vec<Coat> = materials.iter().chain([&serde_json::Value::Null]).map(coat).collect();
-        let mut coat_of = vec![materials.len() as f32; vertices];
-        for range in primitives {
-            let named = materials.iter().position(|material| material["name"].as_str() == range.material.as_deref());
-            let first = range.first_vertex as usize;
-            let of = coat_of.get_mut(first..first + range.vertex_count as usize).unwrap_or_default();
-            of.fill(named.unwrap_or(materials.len()) as f32);
-        }
-        (coats, coat_of)
-    }
 }
 
 impl Input {
@@ -173,7 +141,7 @@ impl Input {
         let transform = node_transform.map(|m| Mat4::from_cols_array_2d(&m));
         let (coats, coat_of) = match parts.len() {
             0 | 1 => (Vec::new(), Vec::new()),
-            _ => file.coats(&primitives, set.mesh().positions().len()),
+            _ => picture::coats(&file.bytes, &primitives, set.mesh().positions().len()),
         };
         let (set, primitives) = (Arc::new(set), primitives.len());
         Ok(Source { set, name, primitives, parts, transform, notes, coats, coat_of, glass, file: Some(file) })

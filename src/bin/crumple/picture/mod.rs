@@ -1,6 +1,7 @@
 //! Pictures of a body before and after, drawn without a GPU. The lab uses this module too.
 
 mod camera;
+mod coats;
 mod image;
 pub mod legend;
 mod raster;
@@ -9,6 +10,7 @@ mod shade;
 mod tests;
 
 pub use camera::{Camera, Margins, View};
+pub use coats::coats;
 pub use image::Image;
 pub use legend::{Scale, millimetres};
 pub use raster::Body;
