@@ -8,7 +8,8 @@ use std::sync::Arc;
 use anyhow::{Context, Result, ensure};
 use crumple::import::{MeshChoice, Part, PartKind, Patterns, Reading, gltf_slice};
 use crumple::{
-    Attachment, ContactOptions, ExampleSet, Instance, InstanceOptions, SetOptions, ThreadPool, Tracker, VertexMemory,
+    Aabb, Attachment, ContactOptions, ExampleSet, Instance, InstanceOptions, SetOptions, ThreadPool, Tracker,
+    VertexMemory,
 };
 use glam::{Mat4, Quat, Vec3};
 use rapier3d::prelude::{
@@ -115,6 +116,7 @@ struct Model {
     coat_of: Vec<f32>,
     /// Index of the coat that differs from car to car.
     paint: usize,
+    hulls: [ColliderBuilder; 2],
 }
 
 impl Model {
@@ -137,9 +139,8 @@ impl Model {
         }
         set.learn_rule(pool)?;
         let wheel = |(part, of): (usize, &Part)| -> Result<Wheel> {
-            let own = &set.mesh().positions()[of.vertices()];
-            let (low, high) = own.iter().fold((Vec3::MAX, Vec3::MIN), |(low, high), p| (low.min(*p), high.max(*p)));
-            let centre = (low + high) * 0.5;
+            let Aabb { min, max } = Aabb::of(&set.mesh().positions()[of.vertices()]);
+            let centre = (min + max) * 0.5;
             // What holds it is the chassis in its middle.
             let mount = set.attach((centre * Vec3::new(0.5, 1.0, 1.0)).to_array())?;
             Ok(Wheel { part, centre, mount })
@@ -147,43 +148,59 @@ impl Model {
         let wheels = parts.iter().enumerate().filter(|(_, part)| part.name.starts_with("wheel_"));
         let wheels = wheels.map(wheel).collect::<Result<Vec<_>>>()?;
         let bumper = bumper.context("the car has no bumper_front")?;
-        Ok(Model { set: Arc::new(set), parts, bumper, glass, wheels, coats, coat_of, paint })
+        let hulls = hulls(&set, &parts)?;
+        Ok(Model { set: Arc::new(set), parts, bumper, glass, wheels, coats, coat_of, paint, hulls })
     }
+}
 
-    /// The convex hulls of the lower body and of the greenhouse.
-    fn hulls(&self) -> Result<[ColliderBuilder; 2]> {
-        let own = |part: &&Part| !["wheel_", "mirror_", "antenna"].iter().any(|end| part.name.starts_with(end));
-        let points = self.parts.iter().filter(own).flat_map(|part| &self.set.mesh().positions()[part.vertices()]);
-        let (upper, lower): (Vec<Vec3>, Vec<Vec3>) = points.partition(|p| p.y > BELT);
-        let hull = |points: Vec<Vec3>| {
-            let points: Vec<Vector> = points.iter().map(vector).collect();
-            ColliderBuilder::convex_hull(&points).context("the car has no hull")
-        };
-        Ok([hull(lower)?.mass(0.8 * MASS), hull(upper)?.mass(0.2 * MASS)])
-    }
+/// The convex hulls of the lower body and of the greenhouse.
+fn hulls(set: &ExampleSet, parts: &[Part]) -> Result<[ColliderBuilder; 2]> {
+    let own = |part: &&Part| !["wheel_", "mirror_", "antenna"].iter().any(|start| part.name.starts_with(start));
+    let points = parts.iter().filter(own).flat_map(|part| &set.mesh().positions()[part.vertices()]);
+    let (upper, lower): (Vec<Vec3>, Vec<Vec3>) = points.partition(|p| p.y > BELT);
+    let hull = |points: Vec<Vec3>| {
+        let points: Vec<Vector> = points.iter().map(vector).collect();
+        ColliderBuilder::convex_hull(&points).context("the car has no hull")
+    };
+    Ok([hull(lower)?.mass(0.8 * MASS), hull(upper)?.mass(0.2 * MASS)])
+}
+
+/// A body that moves, m/s.
+fn moving(at: Vec3, turn: Quat, speed: Vec3) -> RigidBodyBuilder {
+    let rotation = Vector::from_array(turn.to_scaled_axis().to_array());
+    RigidBodyBuilder::dynamic().translation(vector(&at)).rotation(rotation).linvel(vector(&speed))
 }
 
 fn vector(v: &Vec3) -> Vector {
     Vector::from_array(v.to_array())
 }
 
-/// A bumper that has come off, a body of its own.
-struct Bumper {
+/// A body of the physics, and the vertices that Crumple writes for it.
+struct Dented {
     body: RigidBodyHandle,
     instance: Instance,
     tracker: Tracker,
     positions: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
-    /// Of the box, in the car's space, m.
+}
+
+impl Dented {
+    fn deform(&mut self, pool: &ThreadPool) -> Result<()> {
+        let memory = VertexMemory::separate(&mut self.positions, Some(&mut self.normals), None)?;
+        self.instance.deform(&mut self.tracker, memory, pool)?;
+        Ok(())
+    }
+}
+
+/// A bumper that has come off.
+struct Bumper {
+    dented: Dented,
+    /// Of its box, in the car's space, m.
     centre: Vec3,
 }
 
 struct Car {
-    body: RigidBodyHandle,
-    instance: Instance,
-    tracker: Tracker,
-    positions: Vec<[f32; 3]>,
-    normals: Vec<[f32; 3]>,
+    dented: Dented,
     paint: Coat,
     /// How far it has rolled, m.
     way: f32,
@@ -231,11 +248,7 @@ impl Scene {
     }
 
     fn add(&mut self, at: Vec3, turn: Quat, speed: f32, paint: Coat) -> Result<()> {
-        let rotation = Vector::from_array(turn.to_scaled_axis().to_array());
-        let body = RigidBodyBuilder::dynamic()
-            .translation(vector(&at))
-            .rotation(rotation)
-            .linvel(vector(&(turn * Vec3::Z * speed)))
+        let body = moving(at, turn, turn * Vec3::Z * speed)
             // On its wheels.
             .gravity_scale(0.0)
             .enabled_translations(true, false, true)
@@ -244,34 +257,23 @@ impl Scene {
         let body = self.world.insert_body(body);
         let instance =
             Instance::new(self.model.set.clone(), InstanceOptions { grow_time: 0.04, ..Default::default() })?;
-        for hull in self.model.hulls()? {
+        for hull in self.model.hulls.clone() {
             let collider = self.world.insert_collider(hull.friction(0.3).collision_groups(DRIVES), Some(body));
             self.contacts.dent(collider, instance.inbox().clone());
         }
         let mesh = self.model.set.mesh();
         let bare = |v: &[Vec3]| v.iter().map(Vec3::to_array).collect::<Vec<_>>();
         let (positions, normals) = (bare(mesh.positions()), bare(mesh.normals().context("the car has no normals")?));
-        let (tracker, broken) = (Tracker::new(), Vec::new());
-        self.cars.push(Car {
-            body,
-            instance,
-            tracker,
-            positions,
-            normals,
-            paint,
-            way: 0.0,
-            crashed: f32::INFINITY,
-            bumper: None,
-            broken,
-        });
+        let dented = Dented { body, instance, tracker: Tracker::new(), positions, normals };
+        self.cars.push(Car { dented, paint, way: 0.0, crashed: f32::INFINITY, bumper: None, broken: Vec::new() });
         Ok(())
     }
 
     fn step(&mut self) -> Result<()> {
         self.time += 1.0 / HZ as f64;
-        for car in &mut self.cars {
-            car.instance.set_time(self.time)?;
-            car.instance.set_transform(pose(&self.world, car.body))?;
+        for Car { dented, .. } in &mut self.cars {
+            dented.instance.set_time(self.time)?;
+            dented.instance.set_transform(pose(&self.world, dented.body))?;
         }
         self.contacts.before_step(&self.world.bodies);
         self.world.step();
@@ -279,11 +281,11 @@ impl Scene {
         let report = self.contacts.after_step(&world.bodies, &world.colliders, world.contact_pairs(), seconds)?;
         ensure!(report.refusal.is_none(), "a body refuses a hit: {:?}", report.refusal);
         for (i, car) in self.cars.iter_mut().enumerate() {
-            let body = &mut self.world.bodies[car.body];
+            let body = &mut self.world.bodies[car.dented.body];
             let ahead = Quat::from_array(body.rotation().to_array()) * Vec3::Z;
             car.way += Vec3::from(body.linvel().to_array()).dot(ahead) * seconds;
             // Who has crashed brakes.
-            if !car.instance.marks()?.is_empty() && body.linear_damping() == 0.0 {
+            if !car.dented.instance.marks()?.is_empty() && body.linear_damping() == 0.0 {
                 body.set_linear_damping(1.2);
                 body.set_angular_damping(1.5);
                 car.crashed = self.time as f32;
@@ -304,24 +306,22 @@ impl Scene {
         shown.coats.extend([steel, crazed]);
         let (steel, crazed) = (model.coats.len(), model.coats.len() + 1);
         for car in &mut self.cars {
-            let Car { instance, tracker, positions, normals, .. } = car;
-            instance.deform(tracker, VertexMemory::separate(positions, Some(normals), None)?, pool)?;
+            car.dented.deform(pool)?;
             for (part, _) in &model.glass {
-                if !car.broken.contains(part) && car.instance.measure(*part)?.deepest > GLASS_HOLDS {
+                if !car.broken.contains(part) && car.dented.instance.measure(*part)?.deepest > GLASS_HOLDS {
                     car.broken.push(*part);
                 }
             }
-            if car.bumper.is_none() && car.instance.measure(model.bumper.0)?.deepest > BUMPER_HOLDS {
+            if car.bumper.is_none() && car.dented.instance.measure(model.bumper.0)?.deepest > BUMPER_HOLDS {
                 car.bumper = Some(Bumper::of(car, &model, &mut self.world)?);
             }
-            if let Some(bumper) = &mut car.bumper {
-                let Bumper { instance, tracker, positions, normals, .. } = bumper;
-                instance.set_time(self.time)?;
-                instance.deform(tracker, VertexMemory::separate(positions, Some(normals), None)?, pool)?;
+            if let Some(Bumper { dented, .. }) = &mut car.bumper {
+                dented.instance.set_time(self.time)?;
+                dented.deform(pool)?;
             }
             let own = shown.coats.len() as f32;
             shown.coats.push(car.paint);
-            let place = pose(&self.world, car.body);
+            let place = pose(&self.world, car.dented.body);
             for (i, part) in model.parts.iter().enumerate() {
                 let glass = model.glass.iter().find(|(_, of)| *of == i);
                 let is_broken = glass.is_some_and(|(lod, _)| car.broken.contains(lod));
@@ -331,16 +331,14 @@ impl Scene {
                     coat => coat,
                 };
                 let wheel = model.wheels.iter().find(|wheel| wheel.part == i);
-                let at = match (wheel, &car.bumper) {
-                    (Some(wheel), _) => place * car.rolled(wheel)?,
-                    (None, Some(bumper)) if i == model.bumper.1 => {
-                        let at = pose(&self.world, bumper.body) * Mat4::from_translation(-bumper.centre);
-                        shown.add(&model, part, (&bumper.positions, &bumper.normals), at, coat);
-                        continue;
+                let (dented, at) = match (wheel, &car.bumper) {
+                    (Some(wheel), _) => (&car.dented, place * car.rolled(wheel)?),
+                    (None, Some(Bumper { dented, centre })) if i == model.bumper.1 => {
+                        (dented, pose(&self.world, dented.body) * Mat4::from_translation(-*centre))
                     }
-                    _ => place,
+                    _ => (&car.dented, place),
                 };
-                shown.add(&model, part, (&car.positions, &car.normals), at, coat);
+                shown.add(&model, part, dented, at, coat);
             }
         }
         shown.post(steel as f32);
@@ -361,7 +359,7 @@ fn pose(world: &PhysicsWorld, body: RigidBodyHandle) -> Mat4 {
 impl Car {
     /// Where a wheel is on the car: it rolls, and moves and turns as what holds it does.
     fn rolled(&self, wheel: &Wheel) -> Result<Mat4> {
-        let held = self.instance.attached_pose(&wheel.mount)?;
+        let held = self.dented.instance.attached_pose(&wheel.mount)?;
         let turn = Quat::from_array(held.rotation);
         let moved = Vec3::from(held.position) - Vec3::from(wheel.mount.point);
         let roll = Quat::from_rotation_x(self.way / WHEEL);
@@ -372,42 +370,27 @@ impl Car {
 impl Bumper {
     /// Takes the bumper off: a box for the physics, which falls.
     fn of(car: &mut Car, model: &Model, world: &mut PhysicsWorld) -> Result<Self> {
-        let instance = car.instance.release(model.bumper.0)?;
-        let own = model.parts[model.bumper.1].vertices();
-        let points = || car.positions[own.clone()].iter().map(|p| Vec3::from_array(*p));
-        let (low, high) = points().fold((Vec3::MAX, Vec3::MIN), |(low, high), p| (low.min(p), high.max(p)));
-        let (centre, half) = ((low + high) * 0.5, (high - low) * 0.5);
-        let place = pose(world, car.body);
+        let instance = car.dented.instance.release(model.bumper.0)?;
+        let Dented { positions, normals, .. } = &car.dented;
+        let own = positions[model.parts[model.bumper.1].vertices()].iter().map(|p| Vec3::from_array(*p));
+        let Aabb { min, max } = Aabb::of(&own.collect::<Vec<_>>());
+        let (centre, half) = ((min + max) * 0.5, (max - min) * 0.5);
+        let place = pose(world, car.dented.body);
         let (_, turn, _) = place.to_scale_rotation_translation();
-        let body = RigidBodyBuilder::dynamic()
-            .translation(vector(&place.transform_point3(centre)))
-            .rotation(Vector::from_array(turn.to_scaled_axis().to_array()))
-            .linvel(vector(&(turn * Vec3::new(0.5, 0.4, -0.3))))
+        let body = moving(place.transform_point3(centre), turn, turn * Vec3::new(0.5, 0.4, -0.3))
             .angvel(vector(&(turn * Vec3::new(0.5, 0.3, -1.1))))
             .angular_damping(1.0);
         let shape = ColliderBuilder::cuboid(half.x, half.y, half.z).mass(12.0).collision_groups(FALLEN);
         let (body, _) = world.insert(body, shape);
-        Ok(Bumper {
-            body,
-            instance,
-            tracker: Tracker::new(),
-            positions: car.positions.clone(),
-            normals: car.normals.clone(),
-            centre,
-        })
+        let (positions, normals) = (positions.clone(), normals.clone());
+        Ok(Bumper { dented: Dented { body, instance, tracker: Tracker::new(), positions, normals }, centre })
     }
 }
 
 impl Shown {
     /// Adds a part of a car.
-    fn add(
-        &mut self,
-        model: &Model,
-        part: &Part,
-        (positions, normals): (&[[f32; 3]], &[[f32; 3]]),
-        at: Mat4,
-        coat: impl Fn(usize) -> f32,
-    ) {
+    fn add(&mut self, model: &Model, part: &Part, dented: &Dented, at: Mat4, coat: impl Fn(usize) -> f32) {
+        let Dented { positions, normals, .. } = dented;
         let (own, first) = (part.vertices(), self.positions.len() as u32);
         self.positions.extend(positions[own.clone()].iter().map(|p| at.transform_point3(Vec3::from_array(*p))));
         self.normals.extend(normals[own.clone()].iter().map(|n| at.transform_vector3(Vec3::from_array(*n))));

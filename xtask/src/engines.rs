@@ -27,7 +27,7 @@ fn jolt(workspace: &Workspace, programs: &Path) -> Result<()> {
 
 fn truths(workspace: &Workspace, programs: &Path) -> Result<()> {
     workspace.build_as_tested(&["--bin", "crumple-lab"]).run()?;
-    let program = workspace.target.join("debug/crumple-lab");
+    let program = workspace.target.join("debug/crumple-lab").with_extension(std::env::consts::EXE_EXTENSION);
     let out = workspace.target.join("lab-engines");
     Ok(cmd!(workspace.shell, "{program} contacts --check --throws {programs} --out {out}").run()?)
 }

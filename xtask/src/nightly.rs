@@ -99,7 +99,7 @@ pub fn memory(workspace: &Workspace) -> Result<()> {
 fn sanitized(workspace: &Workspace, sanitizer: &str, tests: &[&str]) -> Result<()> {
     let (host, home) = (workspace.rustc("host")?, workspace.target.join("sanitizers").join(sanitizer));
     let arguments = ["-Zbuild-std", "--package", "crumple", "--lib", "--target", &host];
-    // The tests take seconds, and to compile takes minutes.
+    // The tests take seconds, and optimising them takes a minute.
     let fast = ["--config", "profile.dev.package.crumple.opt-level=0"];
     cmd!(
         workspace.shell,
