@@ -17,6 +17,7 @@ import numpy as np
 from crumple.examples.body import point_normals
 from crumple.examples.run import quiet
 from panels import left_half, mirrored
+from scipy.interpolate import RBFInterpolator
 from scipy.spatial import cKDTree
 
 SIZE = 0.026
@@ -37,7 +38,9 @@ INSIDE = 0.45
 REACH = 0.5
 """m; parts further from the solver's shell do not move."""
 AROUND = 13
-"""Points of the shell that a point of the car follows; the last one has no weight."""
+"""Points of the shell that tell where a point of the car lies above it; the last one has no weight."""
+SMOOTHING = 0.5
+"""Of the displacements, which then are off by 1 to 2 mm at the shell's points: what is smaller than its edges is evened out."""
 
 
 # Wheels never dent. Wipers and seats are no part of the body. What breaks instead of denting is glass.
@@ -72,29 +75,27 @@ def read(path):
 
 
 def moved(hit, points, skin):
-    """The displacements of points; `skin` says that they are cut from the skin. A straight function is fitted to the displacements of the shell
-    around each point (moving least squares), so that the edges of the shell's triangles, which are longer than the car's, do not show."""
+    """The displacements of points; `skin` says that they are cut from the skin. They are those of the places on the shell that lie
+    below or above the points, by a smooth function (cubic radial basis functions), so that the edges of the shell's triangles, which are
+    longer than the car's, do not show."""
     out = np.zeros_like(points)
-    distance, near = cKDTree(hit.shell).query(points, k=AROUND)
-    close = np.flatnonzero(distance[:, 0] < REACH)
+    # Lengths in edges of the shell.
+    edge = np.linalg.norm(hit.shell[hit.triangles[:, 0]] - hit.shell[hit.triangles[:, 1]], axis=1).mean()
+    shell, points = hit.shell / edge, points / edge
+    distance, near = cKDTree(shell).query(points, k=AROUND)
+    close = np.flatnonzero((distance[:, 0] < REACH / edge) & hit.field[near].any((1, 2)))
     if len(close) == 0:
         return out
-    distance, near = distance[close], near[close]
-    share = np.minimum((distance / distance[:, -1:]) ** 2, 1)
-    weight = (1 - share) ** 3 / (share + 0.1)
+    points, distance, near = points[close], distance[close], near[close]
+    weight = (1 - np.minimum(distance / distance[:, -1:], 1) ** 2) ** 3
     weight /= weight.sum(1, keepdims=True)
-    away = (hit.shell[near] - points[close, None]) / distance[:, -1:, None]
-    straight = np.concatenate([np.ones_like(away[:, :, :1]), away], 2)
-    normal = np.einsum("nk,nki,nkj->nij", weight, straight, straight)
-    # The shell says nothing of how displacements change across it, nor beyond its rim.
-    edge = np.linalg.norm(hit.shell[hit.triangles[:, 0]] - hit.shell[hit.triangles[:, 1]], axis=1).mean()
-    normal[:, [1, 2, 3], [1, 2, 3]] += 1e-3 + np.maximum(distance[:, :1] / edge - 1, 0)
-    solved = np.linalg.solve(normal, np.broadcast_to(np.eye(4)[:, :1], (len(close), 4, 1)))[:, :, 0]
-    out[close] = np.einsum("nk,nki,ni,nkj->nj", weight, straight, solved, hit.field[near])
+    outward = point_normals(hit.shell, hit.triangles)[near]
+    depth = np.einsum("nkj,nkj->nk", outward, shell[near] - points[:, None])
+    there = points + np.einsum("nk,nk,nkj->nj", weight, depth, outward)
+    share = np.clip(2 - cKDTree(shell).query(there)[0], 0, 1)
     if not skin:
-        outward = point_normals(hit.shell, hit.triangles)[near]
-        depth = np.einsum("nk,nkj,nkj->n", weight, outward, hit.shell[near] - points[close, None])
-        out[close] *= np.clip(1 - np.maximum(depth, 0) / INSIDE, 0, 1)[:, None]
+        share *= np.clip(1 - edge * np.maximum((weight * depth).sum(1), 0) / INSIDE, 0, 1)
+    out[close] = share[:, None] * RBFInterpolator(shell, hit.field, kernel="cubic", smoothing=SMOOTHING)(there)
     return out
 
 

@@ -8,8 +8,8 @@ use std::sync::Arc;
 use anyhow::{Context, Result, ensure};
 use crumple::import::{MeshChoice, Part, PartKind, Patterns, Reading, gltf_slice};
 use crumple::{
-    Aabb, Attachment, ContactOptions, ExampleSet, Instance, InstanceOptions, SetOptions, ThreadPool, Tracker,
-    VertexMemory,
+    Aabb, Attachment, BasisOptions, ContactOptions, ExampleSet, Instance, InstanceOptions, SetOptions, ThreadPool,
+    Tracker, VertexMemory,
 };
 use glam::{Mat4, Quat, Vec3};
 use rapier3d::prelude::{
@@ -25,6 +25,8 @@ const CAR: &str = "assets/car/car_dents.glb";
 /// Where the frames go, and their size, pixels.
 const FRAMES: &str = "out/crash";
 const SIZE: [usize; 2] = [1280, 560];
+/// How far vertices may be from the examples where nodes are added, m.
+const TOLERANCE: f32 = 0.01;
 /// Steps of the physics a second, and steps a frame.
 const HZ: usize = 240;
 const STEPS: usize = 8;
@@ -137,6 +139,7 @@ impl Model {
                 bumper = Some((set.add_lod(mesh, pool)?, i));
             }
         }
+        set.learn_basis(&BasisOptions::new(TOLERANCE), pool)?;
         set.learn_rule(pool)?;
         let wheel = |(part, of): (usize, &Part)| -> Result<Wheel> {
             let Aabb { min, max } = Aabb::of(&set.mesh().positions()[of.vertices()]);

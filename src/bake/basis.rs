@@ -132,7 +132,7 @@ impl ExampleSet {
         let base = self.mesh();
         let data = MeshData {
             positions: nodes.iter().map(|v| base.positions()[*v as usize].to_array()).collect(),
-            normals: base.normals().map(|normals| nodes.iter().map(|v| normals[*v as usize].to_array()).collect()),
+            normals: nodes.iter().map(|v| Some(base.outward_normal(*v)?.to_array())).collect(),
             ..MeshData::default()
         };
         let (mesh, _) = Mesh::new(data)?;

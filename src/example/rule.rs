@@ -118,13 +118,14 @@ impl LearnedRule {
             .zip(&fields)
             .zip(sources(examples, &fields))
             .filter(|((e, _), _)| !e.is_empty())
-            .map(|((e, field), source)| Sample {
+            .map(|((e, field), simulation)| Sample {
                 contact: e.contact_point(),
-                normal: e.contact_normal().unwrap_or(Vec3::Z),
+                // Not the one that was given with it: hits have the mesh's.
+                normal: source.mesh.contact_normal(e.contact_vertex()).unwrap_or(Vec3::Z),
                 blow: Some(known_blow(e.blow())).filter(|b| b.velocity.or(b.impulse).is_some()),
                 field,
                 moved: Some(e.contact_displacement()),
-                source,
+                source: simulation,
             })
             .collect();
         let mut predictor = Predictor::learn(&points.body(nodes), &samples, tasks)?;

@@ -17,8 +17,9 @@ use crate::base::error::reserve;
 use crate::base::math::{Aabb, unit};
 use crate::base::memory::may_fail;
 use data::MeshData;
-use glam::{Vec3, Vec4};
+use glam::{DVec3, Vec3, Vec4};
 use limits::Limits;
+use normals::Surroundings;
 use std::collections::HashMap;
 use std::sync::Arc;
 use vertex_blocks::{BLOCK, block_range};
@@ -37,6 +38,9 @@ pub struct Mesh {
     repaired_normals: usize,
     degenerate_triangles: usize,
 }
+
+/// Cosine of the largest angle between a contact normal and the surface around it, 60 degrees.
+const LIKE: f32 = 0.5;
 
 /// The per-vertex and per-triangle arrays of a mesh.
 #[derive(Debug, Clone, Default)]
@@ -103,7 +107,9 @@ impl Mesh {
             }
             None => None,
         };
-        let contact_normals = vertex_normals.as_ref().map(|given| contact_normals(&smooth, given, &weld));
+        let surroundings = Surroundings::of(&positions, &data.triangles)?;
+        let contact_normals =
+            vertex_normals.as_ref().map(|given| contact_normals(&positions, &smooth, given, &weld, surroundings));
         let tangents: Option<Vec<Vec4>> = match data.tangents {
             Some(given) => {
                 for (i, t) in given.iter().enumerate() {
@@ -227,20 +233,38 @@ impl Mesh {
     }
 
     /// The outward unit normal for a contact at `vertex`. It is smoothed over all vertices at that position, so hard
-    /// edges have a single normal. `None` if the mesh has neither normals nor triangles.
+    /// edges have a single normal. A rib, a fold or a rear side, more than 60 degrees off the surface around it, has the normal of that
+    /// surface. `None` if the mesh has neither normals nor triangles.
     pub fn contact_normal(&self, vertex: u32) -> Option<Vec3> {
         self.arrays.contact_normals.as_ref().map(|n| n[vertex as usize])
+    }
+
+    /// The normal of a vertex; its contact normal where the two are far apart.
+    pub(crate) fn outward_normal(&self, vertex: u32) -> Option<Vec3> {
+        let (own, around) = (self.normals()?[vertex as usize], self.contact_normal(vertex)?);
+        Some(if own.dot(around) < LIKE { around } else { own })
     }
 }
 
 /// Contact normals: the smooth normal if the vertex has triangles, else the mean of the vertex normals at the position,
-/// else +z.
-fn contact_normals(smooth: &[Vec3], given: &[Vec3], weld: &[u32]) -> Vec<Vec3> {
+/// else +z. Where it is far off that of the surface around, that one.
+fn contact_normals(
+    positions: &[Vec3],
+    smooth: &[Vec3],
+    given: &[Vec3],
+    weld: &[u32],
+    mut surroundings: Surroundings,
+) -> Vec<Vec3> {
     let mut sums = vec![Vec3::ZERO; given.len()];
     for (v, n) in given.iter().enumerate() {
         sums[weld[v] as usize] += *n;
     }
-    (0..given.len()).map(|v| unit(smooth[v]).or_else(|| unit(sums[weld[v] as usize])).unwrap_or(Vec3::Z)).collect()
+    let own = |v: usize| unit(smooth[v]).or_else(|| unit(sums[weld[v] as usize])).unwrap_or(Vec3::Z);
+    let mut outward = |v: usize| {
+        let (own, around) = (own(v), surroundings.facing(positions[v]));
+        around.map(DVec3::as_vec3).filter(|around| own.dot(*around) < LIKE).unwrap_or(own)
+    };
+    (0..given.len()).map(&mut outward).collect()
 }
 
 /// For each vertex the lowest one at the same position. Zeros of either sign are different.
