@@ -67,11 +67,17 @@ def parts():
 
 
 def read(path):
-    """A hit, or None if the file is empty, as those of blows that failed are."""
+    """A hit and what carries its shell's displacements, or None if the file is empty, as those of blows that failed are."""
     with np.load(path) as file:
-        if file.files:
-            return SimpleNamespace(**{key: file[key] for key in file.files if key != "told"}, **json.loads(str(file["told"])))
-    return None
+        if not file.files:
+            return None
+        hit = SimpleNamespace(**{key: file[key] for key in file.files if key != "told"}, **json.loads(str(file["told"])))
+    hit.edge = np.linalg.norm(hit.shell[hit.triangles[:, 0]] - hit.shell[hit.triangles[:, 1]], axis=1).mean()
+    hit.outward = point_normals(hit.shell, hit.triangles)
+    # Lengths in edges of the shell.
+    hit.tree = cKDTree(hit.shell / hit.edge)
+    hit.smooth = RBFInterpolator(hit.shell / hit.edge, hit.field, kernel="cubic", smoothing=SMOOTHING)
+    return hit
 
 
 def moved(hit, points, skin):
@@ -79,23 +85,21 @@ def moved(hit, points, skin):
     below or above the points, by a smooth function (cubic radial basis functions), so that the edges of the shell's triangles, which are
     longer than the car's, do not show."""
     out = np.zeros_like(points)
-    # Lengths in edges of the shell.
-    edge = np.linalg.norm(hit.shell[hit.triangles[:, 0]] - hit.shell[hit.triangles[:, 1]], axis=1).mean()
-    shell, points = hit.shell / edge, points / edge
-    distance, near = cKDTree(shell).query(points, k=AROUND)
-    close = np.flatnonzero((distance[:, 0] < REACH / edge) & hit.field[near].any((1, 2)))
+    points = points / hit.edge
+    distance, near = hit.tree.query(points, k=AROUND)
+    close = np.flatnonzero((distance[:, 0] < REACH / hit.edge) & hit.field[near].any((1, 2)))
     if len(close) == 0:
         return out
     points, distance, near = points[close], distance[close], near[close]
     weight = (1 - np.minimum(distance / distance[:, -1:], 1) ** 2) ** 3
     weight /= weight.sum(1, keepdims=True)
-    outward = point_normals(hit.shell, hit.triangles)[near]
-    depth = np.einsum("nkj,nkj->nk", outward, shell[near] - points[:, None])
+    outward = hit.outward[near]
+    depth = np.einsum("nkj,nkj->nk", outward, hit.tree.data[near] - points[:, None])
     there = points + np.einsum("nk,nk,nkj->nj", weight, depth, outward)
-    share = np.clip(2 - cKDTree(shell).query(there)[0], 0, 1)
+    share = np.clip(2 - hit.tree.query(there)[0], 0, 1)
     if not skin:
-        share *= np.clip(1 - edge * np.maximum((weight * depth).sum(1), 0) / INSIDE, 0, 1)
-    out[close] = share[:, None] * RBFInterpolator(shell, hit.field, kernel="cubic", smoothing=SMOOTHING)(there)
+        share *= np.clip(1 - hit.edge * np.maximum((weight * depth).sum(1), 0) / INSIDE, 0, 1)
+    out[close] = share[:, None] * hit.smooth(there)
     return out
 
 

@@ -1,7 +1,7 @@
 //! The vector math that marks depend on. It gives the same bits on every platform, because it uses only IEEE
 //! operations: glam's scalar `Vec3` and `Mat3`, square roots, and `libm` for the rest.
 
-use glam::{DVec3, Mat3, Mat4, Vec3, Vec4};
+use glam::{DVec3, IVec3, Mat3, Mat4, Vec3, Vec4};
 
 /// An axis-aligned box, m. Empty when `min > max`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -213,6 +213,11 @@ pub(crate) fn small_wholes(x: Vec4) -> [i32; 4] {
 pub(crate) fn small_floors(x: Vec4) -> Vec4 {
     let near = (x + TO_BITS) - TO_BITS;
     Vec4::select(near.cmpgt(x), near - Vec4::ONE, near)
+}
+
+/// A cell of a grid and the 26 around it.
+pub(crate) fn cells_around(cell: IVec3) -> impl Iterator<Item = IVec3> {
+    (0..27).map(move |i| cell.wrapping_add(IVec3::new(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1)))
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Chooses the nodes: vertices spread evenly over the body, and more of them where fields are wrong.
 
+use crate::base::math::cells_around;
 use crate::mesh::Mesh;
 use glam::{IVec3, Vec3};
 use std::collections::HashMap;
@@ -26,9 +27,8 @@ impl<'a> Spread<'a> {
     /// Whether a point within `distance` (at most the cells' size) is there already.
     fn is_near(&self, v: u32, distance: f32) -> bool {
         let (cell, p) = (self.cell(v), self.positions[v as usize]);
-        let around = (0..27).map(|i| IVec3::new(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1));
-        around
-            .filter_map(|d| self.cells.get(&cell.wrapping_add(d)))
+        cells_around(cell)
+            .filter_map(|near| self.cells.get(&near))
             .flatten()
             .any(|q| self.positions[*q as usize].distance_squared(p) < distance * distance)
     }

@@ -260,11 +260,11 @@ fn contact_normals(
         sums[weld[v] as usize] += *n;
     }
     let own = |v: usize| unit(smooth[v]).or_else(|| unit(sums[weld[v] as usize])).unwrap_or(Vec3::Z);
-    let mut outward = |v: usize| {
+    let outward = |v: usize| {
         let (own, around) = (own(v), surroundings.facing(positions[v]));
         around.map(DVec3::as_vec3).filter(|around| own.dot(*around) < LIKE).unwrap_or(own)
     };
-    (0..given.len()).map(&mut outward).collect()
+    (0..given.len()).map(outward).collect()
 }
 
 /// For each vertex the lowest one at the same position. Zeros of either sign are different.

@@ -1,8 +1,9 @@
-//! Smooth vertex normals from triangles, weighted by corner angle and shared by all vertices at one position.
+//! Smooth vertex normals from triangles, weighted by corner angle and shared by all vertices at one position; and which way the surface
+//! faces around a place.
 
 use super::vertex_blocks::BLOCK;
 use crate::base::error::Error;
-use crate::base::math::Aabb;
+use crate::base::math::{Aabb, cells_around};
 use crate::base::memory::may_fail;
 use glam::{DVec3, IVec3, Vec3};
 use std::collections::HashMap;
@@ -74,7 +75,7 @@ impl Surroundings {
     /// # Errors
     /// [`Error::OutOfMemory`].
     pub(crate) fn of(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<Self, Error> {
-        let mut out = Surroundings { bounds: Aabb::of(positions), cells: HashMap::new(), known: HashMap::new() };
+        let mut out = Surroundings { bounds: Aabb::of_slice(positions), cells: HashMap::new(), known: HashMap::new() };
         let most = |count: usize| count.min((Self::CELLS as usize + 1).pow(3));
         let (cells, known) = (most(triangles.len()), most(positions.len()));
         may_fail(|| out.cells.try_reserve(cells).and_then(|()| out.known.try_reserve(known)))
@@ -99,9 +100,8 @@ impl Surroundings {
         let cell = self.cell(place.as_dvec3());
         let cells = &self.cells;
         *self.known.entry(cell).or_insert_with(|| {
-            let around = (0..27).map(|i| cell + IVec3::new(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1));
-            let found = around.filter_map(|at| cells.get(&at));
-            let (sum, area) = found.fold((DVec3::ZERO, 0.0), |(n, a), (m, b)| (n + *m, a + b));
+            let near = cells_around(cell).filter_map(|at| cells.get(&at));
+            let (sum, area) = near.fold((DVec3::ZERO, 0.0), |(n, a), (m, b)| (n + *m, a + b));
             let length = sum.length();
             (length > Self::LEAST * area).then(|| sum / length)
         })
