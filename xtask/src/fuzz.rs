@@ -61,7 +61,7 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
     for name in &options.target {
         ensure!(targets.contains(name), "there is no target {name:?}; there are: {}", targets.join(", "));
     }
-    let home = workspace.target.join(if options.address { "fuzz-address" } else { "fuzz" });
+    let home = home(workspace, options.address);
     let programs = build(workspace, &home, options)?;
     let corpus = options.corpus.clone().unwrap_or_else(|| workspace.target.join("fuzz/corpus"));
     let chosen = targets.iter().filter(|name| options.target.is_empty() || options.target.contains(name));
@@ -128,6 +128,11 @@ fn targets(workspace: &Workspace) -> Result<Vec<String>> {
     Ok(names)
 }
 
+/// Cargo's target directory.
+fn home(workspace: &Workspace, address: bool) -> PathBuf {
+    workspace.target.join(if address { "fuzz-address" } else { "fuzz" })
+}
+
 /// Builds all targets, and returns the folder of the programs.
 fn build(workspace: &Workspace, home: &Path, options: &Options) -> Result<PathBuf> {
     let host = workspace.rustc("host")?;
@@ -148,9 +153,18 @@ fn build(workspace: &Workspace, home: &Path, options: &Options) -> Result<PathBu
 
 /// Runs every target for a short time, with the same inputs each time.
 pub fn stage(workspace: &Workspace) -> Result<Outcome> {
-    let target = Vec::new();
-    let options = Options {
-        target,
+    run(workspace, &for_stage())?;
+    Ok(Outcome::Passed)
+}
+
+/// Builds what the stage runs.
+pub fn build_for_stage(workspace: &Workspace) -> Result<()> {
+    build(workspace, &home(workspace, false), &for_stage()).map(drop)
+}
+
+fn for_stage() -> Options {
+    Options {
+        target: Vec::new(),
         seconds: STAGE_SECONDS,
         jobs: jobs(),
         corpus: None,
@@ -160,7 +174,5 @@ pub fn stage(workspace: &Workspace) -> Result<Outcome> {
         profile: "quick".into(),
         coverage: false,
         keep: false,
-    };
-    run(workspace, &options)?;
-    Ok(Outcome::Passed)
+    }
 }

@@ -50,22 +50,15 @@ pub fn run(workspace: &Workspace) -> Result<Outcome> {
         }
     };
     version(workspace)?;
-    let sh = &workspace.shell;
-    let (manifest, target) = (workspace.path(BINDING).join("Cargo.toml"), workspace.target.join("godot"));
-    let cargo = |command: &str| {
-        let cargo = cmd!(sh, "cargo {command} --locked --manifest-path {manifest} --target-dir {target}");
-        // The binding's own profile has no debug information: its bindings of the whole engine are large.
-        cargo.env_remove("CARGO_PROFILE_DEV_DEBUG").run()
-    };
-    cargo("build")?;
-    let project = lay_out(workspace, &target.join("debug/libcrumple_godot.so"))?;
+    build(workspace)?;
+    let project = lay_out(workspace, &workspace.target.join("godot/debug/libcrumple_godot.so"))?;
     let tests = Tests { workspace, engine: &engine, project: &project };
     let _home = tests.home();
     let unit = tests.headless("unit", &["--fixed-fps", "60"], THREADS);
     // The editor imports what the unit tests wrote.
     let imported = tests.import().and_then(|()| tests.headless("imported", &[], THREADS));
     let mut results = vec![
-        ("the extension's own tests", cargo("test").map_err(Into::into)),
+        ("the extension's own tests", cargo(workspace, &["test"])),
         ("the classes", unit),
         ("the editor's import", imported),
     ];
@@ -84,6 +77,19 @@ pub fn run(workspace: &Workspace) -> Result<Outcome> {
     }
     all_passed(results)?;
     Ok(Outcome::Passed)
+}
+
+/// Builds the extension and its tests.
+pub fn build(workspace: &Workspace) -> Result<()> {
+    cargo(workspace, &["build"])?;
+    cargo(workspace, &["test", "--no-run"])
+}
+
+fn cargo(workspace: &Workspace, what: &[&str]) -> Result<()> {
+    let (manifest, target) = (workspace.path(BINDING).join("Cargo.toml"), workspace.target.join("godot"));
+    let cargo = cmd!(workspace.shell, "cargo {what...} --locked --manifest-path {manifest} --target-dir {target}");
+    // The binding's own profile has no debug information: its bindings of the whole engine are large.
+    Ok(cargo.env_remove("CARGO_PROFILE_DEV_DEBUG").run()?)
 }
 
 /// The addon says which version it is.

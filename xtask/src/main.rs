@@ -2,6 +2,7 @@
 
 mod abi;
 mod addon;
+mod ahead;
 mod bench;
 mod blender;
 mod car;
@@ -128,6 +129,9 @@ enum Command {
         #[arg(long)]
         fail_fast: bool,
     },
+    /// Compile what stages of `test --all` need in folders of their own
+    #[command(hide = true)]
+    Ahead,
     /// Make the passenger car: panels, wheels, inner structure, a coarse level and a collider as glTF
     Car(car::Options),
     /// Run the checks of `ci` that build nothing: asset sizes, README snippets, changelog, Unity's .meta files, quoted messages
@@ -176,6 +180,10 @@ fn run(command: Command) -> Result<()> {
             exporters::sweep(test, &folder, &options.join(" "))
         }
         Command::Ci { fail_fast } => test::ci(&workspace, fail_fast),
+        Command::Ahead => {
+            ahead::run(&workspace);
+            Ok(())
+        }
         Command::Car(options) => car::run(&workspace, &options),
         Command::Repo { fix } => repo::run(&workspace, fix),
     }

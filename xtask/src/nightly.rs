@@ -56,14 +56,19 @@ pub fn threads(workspace: &Workspace) -> Result<Outcome> {
             "there is no nightly toolchain with the library's source: {INSTALL}"
         )));
     }
-    sanitized(workspace, "thread", &THREADED)?;
+    sanitized(workspace, "thread", &[&["--"][..], &THREADED].concat())?;
     Ok(Outcome::Passed)
+}
+
+/// Builds what [`threads`] runs.
+pub fn build(workspace: &Workspace) -> Result<()> {
+    if available(workspace) { sanitized(workspace, "thread", &["--no-run"]) } else { Ok(()) }
 }
 
 /// Runs the unit tests and C programs under MemorySanitizer, which finds reads of memory that nobody wrote.
 pub fn memory(workspace: &Workspace) -> Result<()> {
     ensure!(available(workspace), "MemorySanitizer is not there: {INSTALL}");
-    sanitized(workspace, "memory", &[])?;
+    sanitized(workspace, "memory", &["--"])?;
 
     let sh = &workspace.shell;
     let (host, home) = (workspace.rustc("host")?, workspace.target.join("sanitizers/memory"));
@@ -95,15 +100,15 @@ pub fn memory(workspace: &Workspace) -> Result<()> {
     Ok(())
 }
 
-/// Runs unit tests under a sanitizer, with a standard library that is instrumented too.
-fn sanitized(workspace: &Workspace, sanitizer: &str, tests: &[&str]) -> Result<()> {
+/// `cargo test` of the unit tests under a sanitizer, with a standard library that is instrumented too.
+fn sanitized(workspace: &Workspace, sanitizer: &str, what: &[&str]) -> Result<()> {
     let (host, home) = (workspace.rustc("host")?, workspace.target.join("sanitizers").join(sanitizer));
     let arguments = ["-Zbuild-std", "--package", "crumple", "--lib", "--target", &host];
     // The tests take seconds, and optimising them takes a minute.
     let fast = ["--config", "profile.dev.package.crumple.opt-level=0"];
     cmd!(
         workspace.shell,
-        "rustup run nightly cargo {fast...} test {arguments...} {FEATURES...} --target-dir {home} -- {tests...}"
+        "rustup run nightly cargo {fast...} test {arguments...} {FEATURES...} --target-dir {home} {what...}"
     )
     .env("CARGO_PROFILE_DEV_OPT_LEVEL", "0")
     .env("RUSTFLAGS", flags(sanitizer))

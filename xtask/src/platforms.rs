@@ -26,6 +26,12 @@ pub const I686_TOOLS: &[Tool] = &[Tool::CCompiler, Tool::CMake, Tool::I686Rust, 
 
 /// Features of the build whose library, command and tests are all used.
 const FEATURES: &str = "cli,host-allocator";
+/// The Rust tests that run for each system. Others take many minutes under qemu.
+const WINDOWS_TESTS: &[&str] = &["--test=cli", "--test=format", "--test=promises", "--test=budget"];
+const VULKAN_TESTS: &[&str] = &["--test=vulkan"];
+const AARCH64_TESTS: &[&str] = &["--test=promises", "--test=stability"];
+const I686_TESTS: &[&str] = &["--test=format", "--test=promises", "--test=budget"];
+
 /// The command's input, below the repository's root.
 const INPUT: &[&str] = &["assets/demo/drum.glb", "assets/demo/drum.json"];
 /// The name of the file that gets the command's answer, and the command's arguments.
@@ -51,17 +57,17 @@ struct Platform<'a> {
 pub fn windows(workspace: &Workspace) -> Result<Outcome> {
     let wine = Wine::start(workspace)?;
     let platform = Platform { workspace, target: Target::other(WINDOWS), runner: vec![wine.program] };
-    platform.build()?;
+    compile(workspace, &platform.target, &[WINDOWS_TESTS, VULKAN_TESTS])?;
     let prefix = platform.install()?;
     let _found = wine.libraries(&[&prefix.join("bin")]);
     all_passed(vec![
         ("the archive", package::windows(workspace, &wine, platform.built()?, platform.command())),
         ("Microsoft's linker", platform.microsoft(&prefix)),
         ("the C and C++ tests", platform.c(&prefix)),
-        ("the Rust tests", platform.rust(&["--test=cli", "--test=format", "--test=promises", "--test=budget"], &[])),
+        ("the Rust tests", platform.rust(WINDOWS_TESTS, &[])),
         ("the Vulkan tests", {
             let _driver = workspace.shell.push_env("VK_DRIVER_FILES", vulkan::lavapipe()?);
-            platform.rust(&["--test=vulkan"], &[])
+            platform.rust(VULKAN_TESTS, &[])
         }),
         ("the same files", platform.same_files()),
     ])?;
@@ -71,15 +77,11 @@ pub fn windows(workspace: &Workspace) -> Result<Outcome> {
 pub fn aarch64(workspace: &Workspace) -> Result<Outcome> {
     let runner = ["qemu-aarch64", "-L", "/usr/aarch64-linux-gnu"].to_vec();
     let platform = Platform { workspace, target: Target::other(AARCH64), runner };
-    platform.build()?;
+    compile(workspace, &platform.target, &[AARCH64_TESTS])?;
     let prefix = platform.install()?;
     all_passed(vec![
         ("the C and C++ tests", platform.c(&prefix)),
-        // The others take many minutes under qemu.
-        (
-            "the Rust tests",
-            platform.rust(&["--test=promises", "--test=stability"], &["quick_", "a_millionth", "far_from"]),
-        ),
+        ("the Rust tests", platform.rust(AARCH64_TESTS, &["quick_", "a_millionth", "far_from"])),
         ("the same files", platform.same_files()),
     ])?;
     Ok(Outcome::Passed)
@@ -89,25 +91,32 @@ pub fn i686(workspace: &Workspace) -> Result<Outcome> {
     // The processor runs them. The cross compiler's package has the libraries, not where the system looks for them.
     let runner = vec!["/usr/i686-linux-gnu/lib/ld-linux.so.2", "--library-path", "/usr/i686-linux-gnu/lib"];
     let platform = Platform { workspace, target: Target::other(I686), runner };
-    platform.build()?;
+    compile(workspace, &platform.target, &[I686_TESTS])?;
     let prefix = platform.install()?;
-    let tests = ["--test=format", "--test=promises", "--test=budget"];
     all_passed(vec![
         ("the C and C++ tests", platform.c(&prefix)),
-        ("the Rust tests", platform.rust(&tests, &[])),
+        ("the Rust tests", platform.rust(I686_TESTS, &[])),
         ("the same files", platform.same_files()),
     ])?;
     Ok(Outcome::Passed)
 }
 
-impl Platform<'_> {
-    /// Builds the library, the command and, so that the next test finds what it needs, a test.
-    fn build(&self) -> Result<()> {
-        let what = ["build", "--package", "crumple", "--features", FEATURES];
-        let what = [&what[..], &["--lib", "--bin", "crumple", "--test", "promises"]].concat();
-        Ok(self.target.cargo(self.workspace, &what)?.run()?)
-    }
+/// Builds what the stages run.
+pub fn build(workspace: &Workspace) -> Result<()> {
+    all_passed(vec![
+        ("Windows", compile(workspace, &Target::other(WINDOWS), &[WINDOWS_TESTS, VULKAN_TESTS])),
+        ("64-bit ARM", compile(workspace, &Target::other(AARCH64), &[AARCH64_TESTS])),
+        ("32-bit x86", compile(workspace, &Target::other(I686), &[I686_TESTS])),
+    ])
+}
 
+/// Builds the library, the command and tests.
+fn compile(workspace: &Workspace, target: &Target, tests: &[&[&str]]) -> Result<()> {
+    let what = ["build", "--package", "crumple", "--features", FEATURES, "--lib", "--bin", "crumple"];
+    Ok(target.cargo(workspace, &[&what[..], &tests.concat()].concat())?.run()?)
+}
+
+impl Platform<'_> {
     fn built(&self) -> Result<Built> {
         install::built(self.workspace, self.target.clone(), Profile::Debug, install::FEATURES)
     }

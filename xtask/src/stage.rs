@@ -8,6 +8,7 @@ use std::time::Instant;
 
 use anyhow::{Result, bail, ensure};
 
+use crate::ahead::Ahead;
 use crate::tools::{self, Tool};
 use crate::workspace::Workspace;
 
@@ -45,6 +46,8 @@ pub struct Rules {
     pub retry: bool,
     /// The folders that a stage leaves are removed once it has passed.
     pub tidy: bool,
+    /// What later stages compile is compiled from the start.
+    pub ahead: bool,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -74,6 +77,7 @@ pub fn run_all(workspace: &Workspace, stages: &[&Stage], rules: Rules) -> Result
         .copied()
         .collect();
     let missing = tools::provide(workspace, &wanted)?;
+    let _ahead = rules.ahead.then(Ahead::start);
     let rows = run_each(stages, rules, |stage| {
         let outcome = run_one(workspace, stage, &missing)?;
         if rules.tidy {

@@ -75,10 +75,9 @@ impl Target {
         if self.is_windows() { format!("{name}.exe") } else { name.to_owned() }
     }
 
-    /// The folder below Cargo's target directory that holds the builds of a profile.
+    /// The folder that holds the builds of a profile.
     pub fn directory(&self, workspace: &Workspace, profile: &str) -> PathBuf {
-        let target = &workspace.target;
-        if self.cross { target.join(&self.triple).join(profile) } else { target.join(profile) }
+        if self.cross { cross(workspace).join(&self.triple) } else { workspace.target.clone() }.join(profile)
     }
 
     /// A program of GNU's compiler or binutils for this system: `gcc`, `strip`.
@@ -154,8 +153,15 @@ impl Target {
         };
         // A warning here is one that the lints of this machine's system do not see.
         let flags = [flags, vec!["--deny=warnings".to_owned()]].concat();
+        // Builds for this system do not wait for it.
+        let cargo = cargo.env("CARGO_TARGET_DIR", cross(workspace));
         Ok(cargo.env(linker, program).env("CARGO_ENCODED_RUSTFLAGS", flags.join("\u{1f}")).args(rest))
     }
+}
+
+/// Cargo's target directory for other systems.
+fn cross(workspace: &Workspace) -> PathBuf {
+    workspace.target.join("cross")
 }
 
 /// Runs a program in the shell's folder. `runner` is a program that runs it, with arguments, or empty.

@@ -34,7 +34,7 @@ pub struct Options {
 /// The stages of `cargo xtask test` without options: everybody can run them within minutes.
 const FOR_EVERYBODY: &[&str] = &["install", "cmake", "vulkan", "rust", "ctest"];
 
-/// In the order in which they run. A new kind of test is one more entry here.
+/// In the order in which they run: what is compiled ahead runs late. A new kind of test is one more entry here.
 const STAGES: &[Stage] = &[
     Stage {
         name: "install",
@@ -125,46 +125,6 @@ const STAGES: &[Stage] = &[
         run: valgrind::rust,
     },
     Stage {
-        name: "fuzz",
-        shows: "ten seconds of fuzzing find nothing at any door",
-        needs: &[Tool::CppCompiler],
-        wants: &[],
-        leaves: &["fuzz"],
-        run: fuzz::stage,
-    },
-    Stage {
-        name: "threads",
-        shows: "ThreadSanitizer finds no data race where threads share a context",
-        needs: &[Tool::CCompiler],
-        wants: &[],
-        leaves: &["sanitizers"],
-        run: nightly::threads,
-    },
-    Stage {
-        name: "windows",
-        shows: "the library, the command and the archive for Windows work under Wine, and write the same bytes as here",
-        needs: tools::WINDOWS_TOOLS,
-        wants: &[],
-        leaves: &["x86_64-pc-windows-gnu", "wine"],
-        run: platforms::windows,
-    },
-    Stage {
-        name: "aarch64",
-        shows: "the library and the command for 64-bit ARM work under qemu, and write the same bytes as here",
-        needs: platforms::AARCH64_TOOLS,
-        wants: &[],
-        leaves: &["aarch64-unknown-linux-gnu"],
-        run: platforms::aarch64,
-    },
-    Stage {
-        name: "i686",
-        shows: "the library and the command for 32-bit x86 work, and write the same bytes as here",
-        needs: platforms::I686_TOOLS,
-        wants: &[],
-        leaves: &["i686-unknown-linux-gnu"],
-        run: platforms::i686,
-    },
-    Stage {
         name: "engines",
         shows: "every truth's hits thrown in rapier, Bullet and Jolt leave what their blows leave",
         needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake, Tool::Bullet],
@@ -213,14 +173,6 @@ const STAGES: &[Stage] = &[
         run: peers::gltf_validator,
     },
     Stage {
-        name: "vulkan",
-        shows: "the Vulkan tests pass on lavapipe under validation; with --all also on SwiftShader, and those of wgpu",
-        needs: &[Tool::Vulkan],
-        wants: &[],
-        leaves: &[],
-        run: vulkan::run,
-    },
-    Stage {
         name: "godot",
         shows: "the extension dents meshes in Godot itself: its classes, both physics engines, the editor's import, a picture",
         needs: &[Tool::CCompiler, Tool::Xvfb],
@@ -243,6 +195,54 @@ const STAGES: &[Stage] = &[
         wants: &[],
         leaves: &[],
         run: web::stage,
+    },
+    Stage {
+        name: "fuzz",
+        shows: "ten seconds of fuzzing find nothing at any door",
+        needs: &[Tool::CppCompiler],
+        wants: &[],
+        leaves: &["fuzz"],
+        run: fuzz::stage,
+    },
+    Stage {
+        name: "threads",
+        shows: "ThreadSanitizer finds no data race where threads share a context",
+        needs: &[Tool::CCompiler],
+        wants: &[],
+        leaves: &["sanitizers"],
+        run: nightly::threads,
+    },
+    Stage {
+        name: "windows",
+        shows: "the library, the command and the archive for Windows work under Wine, and write the same bytes as here",
+        needs: tools::WINDOWS_TOOLS,
+        wants: &[],
+        leaves: &["cross/x86_64-pc-windows-gnu", "wine"],
+        run: platforms::windows,
+    },
+    Stage {
+        name: "aarch64",
+        shows: "the library and the command for 64-bit ARM work under qemu, and write the same bytes as here",
+        needs: platforms::AARCH64_TOOLS,
+        wants: &[],
+        leaves: &["cross/aarch64-unknown-linux-gnu"],
+        run: platforms::aarch64,
+    },
+    Stage {
+        name: "i686",
+        shows: "the library and the command for 32-bit x86 work, and write the same bytes as here",
+        needs: platforms::I686_TOOLS,
+        wants: &[],
+        leaves: &["cross/i686-unknown-linux-gnu"],
+        run: platforms::i686,
+    },
+    Stage {
+        name: "vulkan",
+        shows: "the Vulkan tests pass on lavapipe under validation; with --all also on SwiftShader, and those of wgpu",
+        needs: &[Tool::Vulkan],
+        wants: &[],
+        leaves: &[],
+        run: vulkan::run,
     },
     Stage {
         name: "rust",
@@ -282,13 +282,18 @@ pub fn run(workspace: &mut Workspace, options: &Options) -> Result<()> {
     workspace.all = options.all || !stages.iter().all(everybodys);
     let in_ci = std::env::var("CI").is_ok_and(|value| value == "true" || value == "1");
     let require_all = options.require_all || in_ci;
-    stage::run_all(workspace, &stages, Rules { require_all, fail_fast: options.fail_fast, retry: in_ci, tidy: false })
+    let ahead = options.all && options.only.is_empty();
+    stage::run_all(
+        workspace,
+        &stages,
+        Rules { require_all, fail_fast: options.fail_fast, retry: in_ci, tidy: false, ahead },
+    )
 }
 
 /// `cargo xtask ci`: runs every check and every test. A missing program fails its stage.
 pub fn ci(workspace: &Workspace, fail_fast: bool) -> Result<()> {
     let stages: Vec<&Stage> = CHECKS.iter().chain(STAGES).collect();
-    stage::run_all(workspace, &stages, Rules { require_all: true, fail_fast, retry: true, tidy: true })
+    stage::run_all(workspace, &stages, Rules { require_all: true, fail_fast, retry: true, tidy: true, ahead: true })
 }
 
 fn rust(workspace: &Workspace) -> Result<Outcome> {

@@ -79,6 +79,16 @@ fn node(workspace: &Workspace, packages: &[&str]) -> Result<PathBuf> {
     tools::npm(workspace, &workspace.target.join("web/node"), packages)
 }
 
+fn manifest(workspace: &Workspace) -> PathBuf {
+    workspace.path(PACKAGE).join("Cargo.toml")
+}
+
+/// Builds the module.
+pub fn build(workspace: &Workspace) -> Result<()> {
+    let cargo = Target::other(target::WEB).cargo(workspace, &["build", "--release", "--locked"])?;
+    Ok(cargo.arg("--manifest-path").arg(manifest(workspace)).run()?)
+}
+
 fn lay_out(workspace: &Workspace, modules: &Path, out: &Path) -> Result<()> {
     empty_directory(out)?;
     let package = out.join("crumple");
@@ -88,16 +98,9 @@ fn lay_out(workspace: &Workspace, modules: &Path, out: &Path) -> Result<()> {
     for license in ["LICENSE-MIT", "LICENSE-APACHE"] {
         copy(&workspace.path(license), &package)?;
     }
-    let web = Target::other(target::WEB);
-    let manifest = workspace.path(PACKAGE).join("Cargo.toml");
-    let built = workspace.target.join("web/built");
-    web.cargo(workspace, &["build", "--release", "--locked"])?
-        .arg("--manifest-path")
-        .arg(&manifest)
-        .arg("--target-dir")
-        .arg(&built)
-        .run()?;
-    let module = built.join(target::WEB).join("release/crumple_web.wasm");
+    build(workspace)?;
+    let (web, manifest) = (Target::other(target::WEB), manifest(workspace));
+    let module = web.directory(workspace, Profile::Release.directory()).join("crumple_web.wasm");
     fs::copy(&module, package.join("crumple.wasm")).with_context(|| format!("copying {}", module.display()))?;
     licenses::write(workspace, &licenses::linked_of(workspace, &manifest, &[web])?, &package.join(licenses::FILE))?;
     for file in files(&workspace.path(PACKAGE).join("demo"))? {
