@@ -25,11 +25,11 @@ SIZE = 0.026
 CRASH = (("a pole in the front", "front pole 2"), ("a wall's corner in the rear door", "side corner 2"))
 """What hits the car in the demo, and the blow of which example it is."""
 RAIN = (
-    ("stone", 20, (0.01, 0.025), 0.7, (0.6, 0.6, 0.5), ("hood", "roof", "door_front_left", "door_rear_left", "fender_left", "body_left")),
-    ("hail", 40, (0.004, 0.01), 0.75, (0.0, 1.0, 0.0), ("hood", "roof", "trunk")),
+    ("stone", 20, 0.7, (0.6, 0.6, 0.5), ("hood", "roof", "door_front_left", "door_rear_left", "fender_left", "body_left")),
+    ("hail", 40, 0.75, (0.0, 1.0, 0.0), ("hood", "roof", "trunk")),
 )  # fmt: skip
-"""And what hits it at random places of these parts: the kind, how many, how deep the dents are in metres, and at least how squarely the place
-looks into a direction."""
+"""And what hits it at random places of these parts, squarely and with the striker of an example: its kind, how many, and at least how squarely
+the place looks into a direction."""
 SEED = 35
 LEAST = 4e-4
 """m; smaller displacements are faded out."""
@@ -114,18 +114,21 @@ def impact(hit):
 
 
 def crash(hits, nodes):
-    """The demo's impacts: blows of CRASH, and stones and hail of RAIN at random places. Those displace their contacts by given lengths."""
+    """The demo's impacts: blows of CRASH, and stones and hail of RAIN at random places."""
     told = {hit.name: impact(hit) for hit in hits}
     out = [told[blow] | {"name": name} for name, blow in CRASH]
     random = np.random.default_rng(SEED)
-    for kind, count, depths, squarely, towards, panels in RAIN:
+    numbers = lambda values: [float(f"{x:.4g}") for x in values]  # noqa: E731
+    for kind, count, squarely, towards, panels in RAIN:
+        strikers = [told[hit.name]["striker"] for hit in hits if hit.name.rsplit(" ", 1)[0] == kind]
         sheet = [p for name, primitives in nodes if name in panels for p in primitives if p[0].startswith("paint")]
         points, normals = (np.concatenate([glb.to_gltf(p[k]) for p in sheet]) for k in (1, 2))
         # Not the borders that are folded inwards.
         seen = np.flatnonzero(normals @ np.array(towards) / np.linalg.norm(towards) > squarely)
         for k, v in enumerate(random.choice(seen, count, replace=False)):
-            numbers = lambda values: [float(f"{x:.4g}") for x in values]  # noqa: E731
-            out.append({"name": f"{kind} {k + 1}", "point": numbers(points[v]), "displacement": numbers(-random.uniform(*depths) * normals[v])})
+            one = strikers[random.integers(len(strikers))]
+            flies = numbers(-np.linalg.norm(one["velocity"]) * normals[v])
+            out.append({"name": f"{kind} {k + 1}", "point": numbers(points[v]), "striker": one | {"velocity": flies}})
     return out
 
 

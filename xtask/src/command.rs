@@ -47,11 +47,6 @@ impl<'a> Command<'a> {
         &self.program
     }
 
-    pub fn info(&self, file: &Path, options: &[&str]) -> Result<String> {
-        let program = &self.program;
-        Ok(cmd!(self.workspace.shell, "{program} info {file} {options...}").quiet().read()?)
-    }
-
     /// Writes `count` impacts on `file`'s mesh. Every call writes the same ones.
     pub fn sample(&self, file: &Path, impacts: &Path, count: &str) -> Result<String> {
         let program = &self.program;

@@ -46,11 +46,10 @@ pub fn check(workspace: &Workspace) -> Result<Outcome> {
 fn dent(workspace: &Workspace, command: &Command<'_>, out: &Path) -> Result<()> {
     fs::create_dir_all(out).with_context(|| format!("creating {}", out.display()))?;
     let (car, crash) = (workspace.path(CAR), workspace.path(CRASH));
-    let info = command.info(&car, &["--join"])?;
     let applied = command.apply(&car, &crash, &out.join("dented.glb"), Some(out), &["--join", "--size", "1280x560"])?;
     // A table with a line for each hit comes first. The summary follows the last empty line.
     let summary = applied.rsplit("\n\n").next().unwrap_or(&applied);
     println!("{}", summary.trim_end());
     let report = out.join("report.txt");
-    fs::write(&report, format!("{info}\n{applied}\n")).with_context(|| format!("writing {}", report.display()))
+    fs::write(&report, format!("{applied}\n")).with_context(|| format!("writing {}", report.display()))
 }

@@ -42,7 +42,7 @@ pub struct Arguments {
     /// How impacts add up: marks, or one of the paper's classic rules, most-displaced or blend=K (K from 0 to 1)
     #[arg(long, default_value = "marks", value_parser = rule)]
     rule: Rule,
-    /// Largest number of examples that one hit may mix [default: 3]
+    /// Mix this many of the nearest examples at most, without learning from all of them [default: what predicts them better; 3]
     #[arg(id = "per_hit", long = "examples", value_name = "K", value_parser = clap::value_parser!(u32).range(1..=4))]
     examples_per_hit: Option<u32>,
     /// Number of threads; 0 is one per core
@@ -84,7 +84,9 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     let pictures = if arguments.png.is_some() { &Kind::ALL[..] } else { &[] };
     let bar = progress(impacts.len() + 3 + pictures.len());
     bar.set_message("reading");
-    let source = arguments.input.load(&pool)?;
+    // Both rules mix examples.
+    let mixes = arguments.rule != Rule::Marks || arguments.examples_per_hit.is_some();
+    let source = if mixes { arguments.input.load_unlearned(&pool)? } else { arguments.input.load(&pool)? };
     if arguments.png.is_some() && source.set.mesh().triangles().is_empty() {
         bail!("the mesh has no triangles, so no picture can be drawn; remove --png");
     }
@@ -385,6 +387,7 @@ fn chosen(set: &ExampleSet, limit: f32, outcome: &Outcome) -> String {
             format!("{name} {:.0}% x{:.2} {how}", c.share * 100.0, c.scale)
         })
         .collect();
+    let predicted = if parts.is_empty() { "all, as the set has learned" } else { "" };
     let limit = if is_cut(set, limit, outcome) { "; cut to the depth limit" } else { "" };
-    parts.join(", ") + limit
+    format!("{}{predicted}{limit}", parts.join(", "))
 }

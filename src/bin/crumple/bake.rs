@@ -11,16 +11,13 @@ use crate::{
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use crumple::{
-    BasisOptions, BasisReport, ExampleSet, MeshData, RuleReport, SetOptions, Stamp, TaskSystem, ThreadPool, VertexMass,
-    import,
+    BasisReport, ExampleSet, MeshData, RuleReport, SetOptions, Stamp, TaskSystem, ThreadPool, VertexMass, import,
 };
 use indicatif::ProgressBar;
 use std::{fmt::Write, path::PathBuf, time::Instant};
 
 /// Bytes per moved vertex in the plain sparse form: an index and three floats.
 const SPARSE: usize = 16;
-/// With fewer examples a set does not compare the rule with the nearest ones.
-const ENOUGH: usize = 6;
 
 #[derive(Args)]
 pub struct Arguments {
@@ -42,10 +39,6 @@ pub struct Arguments {
     /// No vertex moves further than this [default: 4/3 of the depth of the deepest example]
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     depth_limit: Option<f32>,
-    /// How far a vertex may be from where its dents would put it: vertices follow a few of them, the nodes, of which more are added
-    /// where vertices are wrong. Less takes more memory, and hits cost more. Give --reorder too
-    #[arg(long, value_name = "LENGTH", value_parser = length)]
-    basis: Option<f32>,
     /// Keep the examples whole, for the rules of the paper (`--rule` of `crumple apply`): on large bodies ten times the memory for each
     #[arg(long)]
     whole_examples: bool,
@@ -126,11 +119,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     for mesh in part_meshes {
         set.add_lod(mesh, &pool).with_context(|| shown.to_string())?;
     }
-    if let Some(tolerance) = arguments.basis {
-        set.learn_basis(&BasisOptions::new(tolerance), &pool)?;
-    }
-    let can_learn = set.mesh().normals().is_some() && set.examples().len() >= ENOUGH;
-    let rule = can_learn.then(|| set.learn_rule(&pool)).transpose()?;
+    let rule = arguments.input.learn(&mut set, &pool)?;
     let built = start.elapsed();
     bar.inc(1);
     bar.set_message("writing");
@@ -165,7 +154,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
         stamps(&mut text, &set)?;
     }
     if let Some(report) = set.basis_report() {
-        followed(&mut text, &report, arguments.basis)?;
+        followed(&mut text, &report, arguments.input.basis)?;
     }
     if let Some(report) = &rule {
         predicted(&mut text, report)?;

@@ -8,7 +8,7 @@ use crate::{
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use crumple::{
-    ExampleSet, Instance, SetOptions, TaskSystem,
+    BasisOptions, ExampleSet, Instance, RuleReport, SetOptions, TaskSystem,
     export::Exported,
     glam::{Mat3, Mat4, Vec3},
     import::{self, Imported, MeshChoice, Part, PartKind, Patterns, Reading},
@@ -21,6 +21,8 @@ use std::{
 
 /// A contact further than this from the nearest vertex causes a warning; a share of the body's diagonal.
 pub const FAR_OFF: f32 = 0.1;
+/// With fewer examples a set does not compare the rule with the nearest ones.
+const ENOUGH: usize = 6;
 
 /// The choice of a file, and of what in it dents.
 #[derive(Args)]
@@ -55,6 +57,10 @@ pub struct Input {
     /// Example for an OBJ base: the same mesh after a collision; repeat the option for more examples
     #[arg(long = "example", value_name = "OBJ")]
     examples: Vec<PathBuf>,
+    /// How far a vertex may be from where its dents would put it: vertices follow a few of them, the nodes, of which more are added
+    /// where vertices are wrong. Less takes more memory, and hits cost more
+    #[arg(long, value_name = "LENGTH", value_parser = units::length)]
+    pub basis: Option<f32>,
 }
 
 /// A file's mesh and its examples.
@@ -98,15 +104,38 @@ impl File {
 }
 
 impl Input {
-    /// Builds the example set of the file, or loads it if the file is baked.
+    /// The example set of the file as `crumple bake` makes it: it has learned. A baked file is loaded.
     pub fn load(&self, tasks: &dyn TaskSystem) -> Result<Source> {
+        let mut source = self.load_unlearned(tasks)?;
+        if let (Some(_), Some(set)) = (&source.file, Arc::get_mut(&mut source.set)) {
+            self.learn(set, tasks)?;
+        }
+        Ok(source)
+    }
+
+    /// Learns the nodes that vertices follow, and the rule that predicts hits.
+    pub fn learn(&self, set: &mut ExampleSet, tasks: &dyn TaskSystem) -> Result<Option<RuleReport>> {
+        if let Some(tolerance) = self.basis {
+            set.learn_basis(&BasisOptions::new(tolerance), tasks)?;
+        }
+        let can_learn = set.mesh().normals().is_some() && set.examples().len() >= ENOUGH;
+        Ok(can_learn.then(|| set.learn_rule(tasks)).transpose()?)
+    }
+
+    /// Builds the example set of the file, whose hits mix the nearest examples, or loads it if the file is baked.
+    pub fn load_unlearned(&self, tasks: &dyn TaskSystem) -> Result<Source> {
         let shown = self.file.display();
         let name = self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         if self.is_baked()? {
             let chooses =
                 [&self.nodes, &self.rigid, &self.glass, &self.moving, &self.targets].iter().any(|p| !p.is_empty());
             ensure!(
-                self.mesh.is_none() && self.examples.is_empty() && !self.join && !chooses && self.unit.is_none(),
+                self.mesh.is_none()
+                    && self.examples.is_empty()
+                    && !self.join
+                    && !chooses
+                    && self.unit.is_none()
+                    && self.basis.is_none(),
                 "{shown} is a baked set, which has one mesh and its own examples; give these options to `crumple bake`"
             );
             let set = ExampleSet::load_file(&self.file, tasks).with_context(|| shown.to_string())?;
