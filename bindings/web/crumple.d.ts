@@ -38,6 +38,8 @@ export interface Blow {
   strikerVelocity?: Vector;
   /** m. */
   strikerRadius?: number;
+  /** Where it touches. */
+  strikerShape?: "unknown" | "ball" | "pole" | "corner" | "wall";
 }
 
 export interface Body {

@@ -1,6 +1,7 @@
 /** Crumple in WebAssembly: see crumple.d.ts for what each part does. */
 
 const STATUS = ["marked", "below yield", "nothing reaches", "accumulated", "rigid"];
+const SHAPES = ["unknown", "ball", "pole", "corner", "wall"];
 
 /** Starts the module. `source` is where crumple.wasm is, or its bytes. */
 export async function start(source = new URL("crumple.wasm", import.meta.url)) {
@@ -95,7 +96,9 @@ class Body {
     return this.#hit(this.#exports.body_displace, [...three(point, "point"), ...three(displacement, "displacement")]);
   }
 
-  hit(point, { normal, impulse, duration, strikerMass, strikerVelocity, strikerRadius } = {}) {
+  hit(point, { normal, impulse, duration, strikerMass, strikerVelocity, strikerRadius, strikerShape = "unknown" } = {}) {
+    const shape = SHAPES.indexOf(strikerShape);
+    if (shape < 0) throw new TypeError(`strikerShape is ${strikerShape}; it must be one of ${SHAPES.join(", ")}`);
     const vector = (v, name) => (v === undefined ? [NaN, NaN, NaN] : three(v, name));
     return this.#hit(this.#exports.body_blow, [
       ...three(point, "point"),
@@ -105,6 +108,7 @@ class Body {
       strikerMass ?? NaN,
       ...vector(strikerVelocity, "strikerVelocity"),
       strikerRadius ?? NaN,
+      shape,
     ]);
   }
 

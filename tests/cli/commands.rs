@@ -87,6 +87,9 @@ fn join_makes_a_body_of_a_files_nodes() {
     has(&report, &["part 1    Wheel: ", "part 2    Door: ", "part 3    Panel: ", "part 4    Door again: "]);
     has(&crumple(&["bake", file, "--join", "--reorder", "-o", &baked]).report(), &["part 4    Door again: "]);
     has(&crumple(&["info", &baked]).report(), &["level 4   ", "at most 0.0 mm off the base surface"]);
+    crumple(&["bake", file, "--join", "--one-mesh", "-o", &baked]).report();
+    let report = crumple(&["info", &baked]).report();
+    assert!(!report.contains("level 1"), "{report}");
     let joined = gltf_file(&asset(file), MeshChoice::Nodes(&Default::default())).expect("a body");
     let crumple::Deltas::Sparse { indices, .. } = &joined.examples[0].positions else { panic!("sparse") };
     let [x, y, z] = joined.mesh.positions[indices[0] as usize];

@@ -12,8 +12,8 @@ use crate::stage::Outcome;
 use crate::workspace::Workspace;
 
 /// The car with its examples, and what hits it; `cargo xtask car --examples` makes both.
-const CAR: &str = "assets/car/car_dents.glb";
-const CRASH: &str = "assets/car/crash.json";
+pub const CAR: &str = "assets/car/car_dents.glb";
+pub const CRASH: &str = "assets/car/crash.json";
 
 /// `gpu`: deform on the GPU whose name contains this.
 pub fn run(workspace: &Workspace, out: &Path, gpu: Option<&str>) -> Result<()> {

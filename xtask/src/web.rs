@@ -1,4 +1,4 @@
-//! The npm package for browsers and Node: the library as WebAssembly, its interface in JavaScript, and a page that dents a hood.
+//! The npm package for browsers and Node: the library as WebAssembly, its interface in JavaScript, and a page that crashes a car.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,6 +8,7 @@ use clap::Args;
 use xshell::cmd;
 
 use crate::command::Command;
+use crate::demo;
 use crate::install::{Profile, copy};
 use crate::package::licenses;
 use crate::stage::Outcome;
@@ -28,7 +29,12 @@ const DRAWN_WITH: &[&str] = &[
     "build/three.core.js",
     "examples/jsm/controls/OrbitControls.js",
     "examples/jsm/environments/RoomEnvironment.js",
+    "examples/jsm/libs/meshopt_decoder.module.js",
+    "examples/jsm/loaders/GLTFLoader.js",
+    "examples/jsm/utils/BufferGeometryUtils.js",
 ];
+/// The page's baked set.
+const SET: &str = "car.crumple";
 const BROWSER: &str = "chromium";
 
 #[derive(Args)]
@@ -62,8 +68,8 @@ pub fn stage(workspace: &Workspace) -> Result<Outcome> {
     };
     let folder = workspace.target.join("web/page");
     lay_out(workspace, &modules, &folder)?;
-    let (sh, set) = (&workspace.shell, folder.join("hood.crumple"));
-    let (impacts, dented) = (workspace.path("assets/demo/hood.json"), workspace.target.join("web/dented.glb"));
+    let (sh, set) = (&workspace.shell, folder.join(SET));
+    let (impacts, dented) = (workspace.path(demo::CRASH), workspace.target.join("web/dented.glb"));
     Command::build(workspace, Profile::Debug, None)?.apply(&set, &impacts, &dented, None, &[])?;
     let tests = workspace.path(PACKAGE).join("test");
     let (bits, page, module) = (tests.join("node.mjs"), tests.join("page.mjs"), folder.join("crumple/crumple.wasm"));
@@ -110,9 +116,12 @@ fn lay_out(workspace: &Workspace, modules: &Path, out: &Path) -> Result<()> {
         let to = out.join("three").join(file);
         copy(&modules.join("three").join(file), to.parent().context("the file is in a folder")?)?;
     }
-    let (hood, set) = (workspace.path("assets/demo/hood.glb"), out.join("hood.crumple"));
+    // The car as it is drawn, and the set that dents it.
     let command = Command::build(workspace, Profile::Debug, None)?;
-    let program = command.program();
-    cmd!(workspace.shell, "{program} bake {hood} -o {set} --tolerance 0.1mm").quiet().ignore_stdout().run()?;
-    Ok(())
+    let (program, car, set) = (command.program(), workspace.path(demo::CAR), out.join(SET));
+    cmd!(workspace.shell, "{program} bake {car} --join --one-mesh -o {set}").quiet().ignore_stdout().run()?;
+    let none = out.join("impacts.json");
+    fs::write(&none, "[]")?;
+    command.apply(&car, &none, &out.join("car.glb"), None, &["--join", "--examples", "1"])?;
+    fs::remove_file(&none).context("removing the list of no impacts")
 }

@@ -6,7 +6,7 @@
 use std::cell::RefCell;
 use std::sync::Arc;
 
-use crumple::{Blow, Error, ExampleSet, Hit, Instance, InstanceOptions, Serial, Striker, Tracker, VertexMemory};
+use crumple::{Blow, Error, ExampleSet, Hit, Instance, InstanceOptions, Serial, Striker, StrikerShape, Tracker, VertexMemory};
 
 /// Bytes at a multiple of 16, in which a set's arrays are used in place.
 struct Bytes(Vec<u128>, usize);
@@ -184,14 +184,15 @@ pub unsafe extern "C" fn body_displace(body: *mut Body, numbers: *const [f32; 6]
 /// A hit by a blow. What is not known is NaN. Returns the status, or -1.
 ///
 /// # Safety
-/// As [`body_positions`]; `numbers` are 15 floats: point, m; normal; impulse, N s; duration, s; the striker's mass, kg,
-/// velocity, m/s, and radius, m.
+/// As [`body_positions`]; `numbers` are 16 floats: point, m; normal; impulse, N s; duration, s; the striker's mass, kg,
+/// velocity, m/s, radius, m, and the number of its shape.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn body_blow(body: *mut Body, numbers: *const [f32; 15]) -> i32 {
+pub unsafe extern "C" fn body_blow(body: *mut Body, numbers: *const [f32; 16]) -> i32 {
     let n = unsafe { *numbers };
     let known = |at: usize| Some(n[at]).filter(|x| !x.is_nan());
     let vector = |at: usize| known(at).map(|x| [x, n[at + 1], n[at + 2]]);
-    let striker = Striker { mass: known(10), velocity: vector(11), radius: known(14), ..Striker::default() };
+    let shape = known(15).and_then(|shape| StrikerShape::ALL.get(shape as usize)).copied().unwrap_or_default();
+    let striker = Striker { mass: known(10), velocity: vector(11), radius: known(14), shape };
     let blow = Blow { impulse: vector(6), duration: known(9), normal: vector(3), striker };
     let hit = Hit::blow([n[0], n[1], n[2]], blow);
     code(unsafe { &*body }.instance.submit(&hit), |outcome| outcome.status as i32)

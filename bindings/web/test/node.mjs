@@ -10,6 +10,7 @@ const crumple = await start(wasm);
 const set = crumple.load(file);
 const body = set.body();
 const given = JSON.parse(impacts);
+let marked = 0;
 for (const { point, displacement, normal, impulse, duration, striker } of given) {
   const status = displacement
     ? body.hitDisplacement(point, displacement)
@@ -20,9 +21,13 @@ for (const { point, displacement, normal, impulse, duration, striker } of given)
         strikerMass: striker?.mass,
         strikerVelocity: striker?.velocity,
         strikerRadius: striker?.radius,
+        strikerShape: striker?.shape,
       });
-  assert.equal(status, "marked");
+  // A hailstone may be too weak to leave anything.
+  assert.ok(status === "marked" || status === "below yield", status);
+  marked += status === "marked";
 }
+assert.ok(marked > 0.9 * given.length, `${marked} of ${given.length} hits left a mark`);
 assert.deepEqual(body.deform(), [{ first: 0, count: set.vertexCount }], "the first time all vertices are written");
 
 const expected = glb(dented);
@@ -45,6 +50,7 @@ assert.equal(body.hitDisplacement([0, 0, 0], [0, 0, 0]), "below yield");
 assert.throws(() => crumple.load(new Uint8Array(100)), /crumple/i);
 assert.throws(() => other.repair(2), /keep is 2/);
 assert.throws(() => other.hit([0, 0, 0], {}), /impulse/);
+assert.throws(() => other.hit([0, 0, 0], { strikerShape: "cone" }), /strikerShape is cone/);
 assert.throws(() => other.hitDisplacement([0, 0], [0, 0, 0]), /point must be three numbers/);
 assert.throws(() => other.load(new Uint8Array(3)), /damage/);
 assert.throws(() => set.body(), /freed/);

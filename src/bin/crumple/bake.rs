@@ -42,6 +42,9 @@ pub struct Arguments {
     /// Keep the examples whole, for the rules of the paper (`--rule` of `crumple apply`): on large bodies ten times the memory for each
     #[arg(long)]
     whole_examples: bool,
+    /// Only the joined mesh, without a mesh for each part: half the file. Engines that draw parts on their own need these
+    #[arg(long)]
+    one_mesh: bool,
     /// File with closed solids that dents must not enter, such as a roll cage: every mesh of a glTF or GLB file, where its
     /// node places it in the scene of the body, m; repeat the option for more files
     #[arg(long, value_name = "SOLID.glb")]
@@ -98,7 +101,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     let pool = Shown { pool: ThreadPool::new(arguments.threads as usize)?, bar: &bar };
     bar.set_message("reading");
     let (imported, _) = arguments.input.import()?;
-    let part_meshes = imported.part_meshes();
+    let part_meshes = if arguments.one_mesh { Vec::new() } else { imported.part_meshes() };
     let (mut mesh, mut examples) = (imported.mesh, imported.examples);
     let kept_out = keep_out((&mut mesh, imported.node_transform), &arguments.keep_out, &pool)?;
     let order = arguments.reorder.then(|| crumple::reorder(&mut mesh, &mut examples));
