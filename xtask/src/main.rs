@@ -2,7 +2,6 @@
 
 mod abi;
 mod addon;
-mod ahead;
 mod bench;
 mod blender;
 mod car;
@@ -181,7 +180,7 @@ fn run(command: Command) -> Result<()> {
         }
         Command::Ci { fail_fast } => test::ci(&workspace, fail_fast),
         Command::Ahead => {
-            ahead::run(&workspace);
+            test::ahead(&workspace);
             Ok(())
         }
         Command::Car(options) => car::run(&workspace, &options),

@@ -4,11 +4,11 @@
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::process::{Child, Command, Stdio};
 use std::time::Instant;
 
 use anyhow::{Result, bail, ensure};
 
-use crate::ahead::Ahead;
 use crate::tools::{self, Tool};
 use crate::workspace::Workspace;
 
@@ -46,7 +46,7 @@ pub struct Rules {
     pub retry: bool,
     /// The folders that a stage leaves are removed once it has passed.
     pub tidy: bool,
-    /// What later stages compile is compiled from the start.
+    /// `cargo xtask ahead` compiles what later stages need, from the start.
     pub ahead: bool,
 }
 
@@ -66,6 +66,29 @@ struct Row {
     verdict: Verdict,
     seconds: f64,
     reason: String,
+}
+
+/// A process that compiles, and gives way to every other.
+struct Ahead(Option<Child>);
+
+impl Ahead {
+    /// Without the `nice` command it does nothing, and stages compile for themselves.
+    fn start() -> Self {
+        let program = std::env::current_exe().unwrap_or_default();
+        let mut command = Command::new("nice");
+        // A stage whose build fails says so.
+        command.args(["-n", "19"]).arg(program).arg("ahead").stdout(Stdio::null()).stderr(Stdio::null());
+        Self(command.spawn().ok())
+    }
+}
+
+impl Drop for Ahead {
+    fn drop(&mut self) {
+        if let Some(child) = &mut self.0 {
+            let _ = child.kill();
+            let _ = child.wait();
+        }
+    }
 }
 
 /// Runs `stages` in order, prints the closing table, and fails if any stage failed.
