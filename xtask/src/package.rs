@@ -5,7 +5,7 @@ pub mod archive;
 mod check;
 mod contents;
 pub mod licenses;
-mod manifest;
+pub mod manifest;
 pub mod markdown;
 mod paths;
 mod symbols;

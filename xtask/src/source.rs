@@ -8,6 +8,7 @@ use xshell::cmd;
 
 use crate::install;
 use crate::native;
+use crate::package::manifest::sha256;
 use crate::python;
 use crate::stage::Outcome;
 use crate::tools::Tool;
@@ -78,17 +79,20 @@ pub fn conan(workspace: &Workspace) -> Result<Outcome> {
 
 /// The crate compiles from the files that crates.io gets.
 pub fn crates_io(workspace: &Workspace) -> Result<Outcome> {
-    let sh = &workspace.shell;
-    // Cargo's own check would compile all dependencies again.
+    // Cargo's own check takes another folder each time, so that nothing can be compiled ahead.
     let package = ["package", "--quiet", "--allow-dirty", "--no-verify", "--package", "crumple"];
     workspace.cargo(&package).run()?;
     let name = format!("crumple-{}", workspace.version);
     let file = workspace.target.join("package").join(format!("{name}.crate"));
-    // Cargo takes a folder below the repository for one of its packages.
-    let folder = tempfile::tempdir()?;
-    let to = folder.path();
+    // The archive's files all have one time, by which Cargo would take changed ones for those that it has compiled.
+    let (home, version) = (workspace.target.join("crate"), sha256(&fs::read(&file)?));
+    let (sh, to) = (&workspace.shell, home.join(version));
+    let (manifest, target) = (to.join(name).join("Cargo.toml"), home.join("target"));
+    empty_directory(&to)?;
     cmd!(sh, "tar -xzf {file} -C {to}").quiet().run()?;
-    let (manifest, target) = (to.join(name).join("Cargo.toml"), &workspace.target);
+    // It is no package of the repository in whose target folder it lies.
+    let text = fs::read_to_string(&manifest)? + "\n[workspace]\n";
+    fs::write(&manifest, text)?;
     cmd!(sh, "cargo check --locked --manifest-path {manifest} --target-dir {target}").run()?;
     Ok(Outcome::Passed)
 }

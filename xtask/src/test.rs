@@ -61,14 +61,6 @@ const STAGES: &[Stage] = &[
         run: source::conan,
     },
     Stage {
-        name: "crate",
-        shows: "the crate builds from the files that crates.io gets",
-        needs: &[],
-        wants: &[],
-        leaves: &[],
-        run: source::crates_io,
-    },
-    Stage {
         name: "package",
         shows: "the unpacked archive matches its manifest, and its examples run by CMake and pkg-config, shared and static",
         needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake, Tool::PkgConfig],
@@ -171,6 +163,14 @@ const STAGES: &[Stage] = &[
         wants: &[],
         leaves: &[],
         run: peers::gltf_validator,
+    },
+    Stage {
+        name: "crate",
+        shows: "the crate builds from the files that crates.io gets",
+        needs: &[],
+        wants: &[],
+        leaves: &["crate"],
+        run: source::crates_io,
     },
     Stage {
         name: "godot",
@@ -298,8 +298,14 @@ pub fn ci(workspace: &Workspace, fail_fast: bool) -> Result<()> {
 
 /// Compiles what stages need in target folders of their own, in their order. A stage finds it ready, or waits for Cargo's lock.
 pub fn ahead(workspace: &Workspace) {
-    let builds: [fn(&Workspace) -> Result<()>; 5] =
-        [godot::build, web::build, fuzz::build_for_stage, nightly::build, platforms::build];
+    let builds: [fn(&Workspace) -> Result<()>; 6] = [
+        |workspace| source::crates_io(workspace).map(drop),
+        godot::build,
+        web::build,
+        fuzz::build_for_stage,
+        nightly::build,
+        platforms::build,
+    ];
     for build in builds {
         // The stage says again what fails.
         let _ = build(workspace);
