@@ -67,14 +67,6 @@ pub(super) fn add32(to: &mut [f32], k: f32, from: &[f32]) {
     }
 }
 
-/// The same of small whole numbers.
-#[inline]
-pub(super) fn add16(to: &mut [f32], k: f32, from: &[i16]) {
-    for (t, f) in to.iter_mut().zip(from) {
-        *t += k * f32::from(*f);
-    }
-}
-
 /// The inverse of the matrix whose Cholesky factor is in the lower triangle of `l`.
 pub(super) fn inverse(l: &[f64], n: usize) -> Vec<f64> {
     // Row i of the factor's inverse, then its transpose times itself.

@@ -8,7 +8,7 @@ use super::own::{self, Fields};
 use super::size::SizeLaw;
 use super::stamp::{Frames, STAMP, View, reads};
 use super::{Blow, Hit, Prediction, Told};
-use crate::base::math::{Four, side_by_side, squares};
+use crate::base::math::{Four, add_rows, side_by_side, squares};
 use crate::mesh::mirror::Mirror;
 use glam::{Vec3, Vec4};
 
@@ -72,8 +72,13 @@ impl Part {
             super::linear::add(weights, *k, row);
         }
         let columns = out.len();
-        for ((w, step), mode) in weights.iter().zip(&self.steps).zip(self.modes.chunks_exact(columns)) {
-            super::linear::add16(out, (w * f64::from(*step)) as f32, mode);
+        let modes = weights.chunks(4).zip(self.steps.chunks(4)).zip(self.modes.chunks(4 * columns));
+        for ((weights, steps), modes) in modes {
+            let mut factors = [0.0; 4];
+            for (factor, (w, step)) in factors.iter_mut().zip(weights.iter().zip(steps)) {
+                *factor = (w * f64::from(*step)) as f32;
+            }
+            add_rows(out, &factors, modes);
         }
     }
 }
