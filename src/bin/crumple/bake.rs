@@ -4,7 +4,7 @@ use crate::{
     info,
     output::{Output, progress},
     picture::millimetres,
-    source::{Input, write_notes},
+    source::{Input, learn_rule, write_notes},
     table::{Table, count},
     units::{angle, length, mass},
 };
@@ -122,7 +122,8 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     for mesh in part_meshes {
         set.add_lod(mesh, &pool).with_context(|| shown.to_string())?;
     }
-    let rule = arguments.input.learn(&mut set, &pool)?;
+    arguments.input.learn_basis(&mut set, &pool)?;
+    let rule = learn_rule(&mut set, &pool)?;
     let built = start.elapsed();
     bar.inc(1);
     bar.set_message("writing");

@@ -103,23 +103,28 @@ impl File {
     }
 }
 
+/// Learns the rule that predicts hits, if there are enough examples.
+pub fn learn_rule(set: &mut ExampleSet, tasks: &dyn TaskSystem) -> Result<Option<RuleReport>> {
+    let can_learn = set.mesh().normals().is_some() && set.examples().len() >= ENOUGH;
+    Ok(can_learn.then(|| set.learn_rule(tasks)).transpose()?)
+}
+
 impl Input {
     /// The example set of the file as `crumple bake` makes it: it has learned. A baked file is loaded.
     pub fn load(&self, tasks: &dyn TaskSystem) -> Result<Source> {
         let mut source = self.load_unlearned(tasks)?;
         if let (Some(_), Some(set)) = (&source.file, Arc::get_mut(&mut source.set)) {
-            self.learn(set, tasks)?;
+            learn_rule(set, tasks)?;
         }
         Ok(source)
     }
 
-    /// Learns the nodes that vertices follow, and the rule that predicts hits.
-    pub fn learn(&self, set: &mut ExampleSet, tasks: &dyn TaskSystem) -> Result<Option<RuleReport>> {
+    /// Adds nodes for vertices to follow, if that was asked for.
+    pub fn learn_basis(&self, set: &mut ExampleSet, tasks: &dyn TaskSystem) -> Result<()> {
         if let Some(tolerance) = self.basis {
             set.learn_basis(&BasisOptions::new(tolerance), tasks)?;
         }
-        let can_learn = set.mesh().normals().is_some() && set.examples().len() >= ENOUGH;
-        Ok(can_learn.then(|| set.learn_rule(tasks)).transpose()?)
+        Ok(())
     }
 
     /// Builds the example set of the file, whose hits mix the nearest examples, or loads it if the file is baked.
@@ -167,6 +172,7 @@ impl Input {
         for (_, mesh) in parts.iter().zip(meshes).filter(|(part, _)| part.kind == PartKind::Glass) {
             glass.push(set.add_lod(mesh, tasks).with_context(|| shown.to_string())?);
         }
+        self.learn_basis(&mut set, tasks)?;
         let transform = node_transform.map(|m| Mat4::from_cols_array_2d(&m));
         let (coats, coat_of) = match parts.len() {
             0 | 1 => (Vec::new(), Vec::new()),
