@@ -32,7 +32,7 @@ const set = crumple.load(file);
 const body = set.body();
 body.deform();
 
-// The set is the joined body: the vertices of all meshes in the order of the file, but of those that move on their own. The page keeps
+// The set is one body: the vertices of all meshes in the order of the file, without those of meshes that move on their own. The page keeps
 // copies of its vertices, since the module's memory may move when it grows.
 const attributes = { position: () => body.positions, normal: () => body.normals };
 const parts = [];
@@ -82,7 +82,7 @@ const resize = () => {
 addEventListener("resize", resize);
 controls.addEventListener("change", draw);
 
-/** What a car darkens below it. */
+/** The shadow below the car. */
 function shadow() {
   const canvas = new OffscreenCanvas(128, 128);
   const context = canvas.getContext("2d");
@@ -140,13 +140,15 @@ function strike({ mass, radius, shape }, point, normal, velocity) {
   return body.hit(point, { normal, strikerMass: mass, strikerRadius: radius, strikerShape: shape, strikerVelocity: velocity });
 }
 
-/** The nearest pane or sheet that a ray meets. */
+/** The nearest part that a ray meets, where, and the unit normal there. */
 function met(ray) {
   const meshes = parts.filter(({ mesh }) => mesh.visible).map(({ mesh }) => mesh);
   const [hit] = ray.intersectObjects(meshes, false);
+  if (!hit) return null;
   // Out of the car, whichever way the triangle faces.
-  const normal = hit?.face.normal.clone();
-  return hit && { point: hit.point, normal: normal.multiplyScalar(-Math.sign(normal.dot(ray.ray.direction)) || 1), mesh: hit.object };
+  const normal = hit.face.normal.clone();
+  normal.multiplyScalar(-Math.sign(normal.dot(ray.ray.direction)) || 1);
+  return { point: hit.point, normal, part: parts.find(({ mesh }) => mesh === hit.object) };
 }
 
 /** Shows the thing on its way, and strikes. */
@@ -161,8 +163,8 @@ async function throwAt(hit, direction) {
     await new Promise(requestAnimationFrame);
   }
   flying.visible = false;
-  if (parts.some(({ mesh, glass }) => glass && mesh === hit.mesh)) {
-    hit.mesh.visible = false;
+  if (hit.part.glass) {
+    hit.part.mesh.visible = false;
     update("Glass broke");
   } else {
     const told = strike(one, hit.point, hit.normal, direction.clone().multiplyScalar(speed.value));
@@ -186,8 +188,7 @@ element("rain").addEventListener("click", () => {
   for (let stones = 0, tries = 0; stones < 12 && tries < 60; tries++) {
     ray.set(new THREE.Vector3(1.6 * Math.random() - 0.8, 3, 4.2 * Math.random() - 2.1), down);
     const hit = met(ray);
-    const sheet = hit && !parts.find(({ mesh }) => mesh === hit.mesh).glass;
-    if (sheet && strike(HAIL, hit.point, hit.normal, [0, -HAIL_SPEED, 0]) === "marked") stones++;
+    if (hit && !hit.part.glass && strike(HAIL, hit.point, hit.normal, [0, -HAIL_SPEED, 0]) === "marked") stones++;
   }
   update("Hail");
   keep();

@@ -42,7 +42,7 @@ pub struct Arguments {
     /// How impacts add up: marks, or one of the paper's classic rules, most-displaced or blend=K (K from 0 to 1)
     #[arg(long, default_value = "marks", value_parser = rule)]
     rule: Rule,
-    /// Mix this many of the nearest examples at most, without learning from all of them [default: what predicts them better; 3]
+    /// Mix up to K of the nearest examples for each hit [default: predict hits from all examples, or mix 3 where that is better]
     #[arg(id = "per_hit", long = "examples", value_name = "K", value_parser = clap::value_parser!(u32).range(1..=4))]
     examples_per_hit: Option<u32>,
     /// Number of threads; 0 is one per core

@@ -42,7 +42,7 @@ pub struct Arguments {
     /// Keep the examples whole, for the rules of the paper (`--rule` of `crumple apply`): on large bodies ten times the memory for each
     #[arg(long)]
     whole_examples: bool,
-    /// Only the joined mesh, without a mesh for each part: half the file. Engines that draw parts on their own need these
+    /// Leave out the mesh of each part, which only engines that draw parts on their own need: half the file
     #[arg(long)]
     one_mesh: bool,
     /// File with closed solids that dents must not enter, such as a roll cage: every mesh of a glTF or GLB file, where its
