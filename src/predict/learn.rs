@@ -8,7 +8,7 @@ use super::kriging::Kriging;
 use super::linear::{add32, dot32};
 use super::lookup::{nearest, partners};
 use super::options::Learned;
-use super::predictor::{Model, Part, Predictor, Typical, blow_point, displacement_point};
+use super::predictor::{Model, Part, Predictor, Typical, blow_point, displacement_point, wide};
 use super::rank::{LowRank, gram};
 use super::size::SizeLaw;
 use super::stamp::{Frames, STAMP, View, read};
@@ -214,25 +214,17 @@ struct Draft {
 }
 
 impl Data<'_> {
-    /// The model with the better choice of mirror images and stretch, for blows or for displacements. `None` if no
-    /// sample knows a blow.
+    /// The model with the better choice of mirror images, for blows or for displacements. `None` if no sample knows a blow.
     fn best_model(&self, blows: bool, tasks: &dyn TaskSystem) -> Option<Model> {
         let all: Vec<Mirror> = std::iter::once(Mirror::NONE).chain(self.partners.iter().map(|(m, _)| *m)).collect();
-        let stretch = if blows { 1.0 / 3.0 } else { 0.5 };
         let mut best: Option<Draft> = None;
         for mirrors in [&all[..], &all[..1]] {
-            if mirrors.len() == 1 && all.len() > 1 && best.as_ref().is_none_or(|b| b.groups.len() < LEAST_GROUPS) {
+            if best.as_ref().is_some_and(|b| all.len() == 1 || b.groups.len() < LEAST_GROUPS) {
                 break;
             }
-            for stretch in [stretch, 0.0] {
-                let draft = self.draft(blows, mirrors, stretch, tasks)?;
-                let few = draft.groups.len() < LEAST_GROUPS;
-                if best.as_ref().is_none_or(|b| draft.score < b.score) {
-                    best = Some(draft);
-                }
-                if few {
-                    break;
-                }
+            let draft = self.draft(blows, mirrors, tasks)?;
+            if best.as_ref().is_none_or(|b| draft.score < b.score) {
+                best = Some(draft);
             }
         }
         best.map(|draft| self.finish(draft, blows))
@@ -275,7 +267,7 @@ impl Data<'_> {
         }
     }
 
-    fn draft(&self, blows: bool, mirrors: &[Mirror], stretch: f64, tasks: &dyn TaskSystem) -> Option<Draft> {
+    fn draft(&self, blows: bool, mirrors: &[Mirror], tasks: &dyn TaskSystem) -> Option<Draft> {
         let images = self.images(blows, mirrors);
         let (n, columns) = (images.len(), 3 * self.body.points.len());
         if n == 0 {
@@ -304,6 +296,8 @@ impl Data<'_> {
         let strengths: Vec<f64> =
             points.iter().zip(&logs).map(|(p, l)| if blows { *l } else { p[STRENGTH_AXIS] }).collect();
         let reference = strengths.iter().sum::<f64>() / n as f64;
+        let stretch = if blows { 1.0 / 3.0 } else { 0.5 };
+        let wide = |i: usize| wide(stretch, strengths[i] - reference);
 
         let lean = |mut l: Lengths| {
             if !blows {
@@ -314,22 +308,20 @@ impl Data<'_> {
         let exponent = if blows { 0.5 } else { 1.0 };
         let (size, missed) = SizeLaw::learn(&points, &logs, &groups, &used, exponent, lean(SIZE));
 
-        // Stamps of all images, side by side.
-        let view = |i: usize| {
-            let wide = libm::exp((stretch * (strengths[i] - reference)).clamp(-1.4, 1.4));
-            View::new(&self.frames, images[i].contact, images[i].normal, self.diagonal, wide)
-        };
+        let view = |i: usize| View::new(&self.frames, images[i].contact, images[i].normal, self.diagonal, wide(i));
+        // Stamps of all images, side by side. A field of size 1 that is twice as wide is half as deep: so that they mix as shapes, each
+        // is multiplied by its width.
         let stamps: Vec<Mutex<Vec<f32>>> = (0..n).map(|_| Mutex::new(Vec::new())).collect();
         tasks.parallel_for(n, &|i| {
             let at = |v: usize| Vec3::from_slice(&unit[i * columns + 3 * v..]);
-            let stamp = view(i).resample(self.body.points, self.body.normals, at);
+            let mut stamp = view(i).resample(self.body.points, self.body.normals, at);
+            stamp.iter_mut().for_each(|x| *x *= wide(i) as f32);
             *stamps[i].lock().unwrap_or_else(|e| e.into_inner()) = stamp;
         });
         let stamps: Vec<f32> = stamps.into_iter().flat_map(|s| s.into_inner().unwrap_or_default()).collect();
         let products = gram(&stamps, STAMP);
         let low = LowRank::of(&stamps, STAMP, &products, CARRIED_MODES, LOST);
-        let prior =
-            Prior { mean: lean(CARRIED), deviation: if blows { 0.7 } else { 1.0 }, outputs: OUTPUTS, ordinary: true };
+        let prior = Prior { mean: lean(CARRIED), deviation: 0.4, outputs: OUTPUTS, ordinary: true };
         let lengths = fit(&select(&points, &used), &select_square(&products, n, &used), &prior);
         let kriging = Kriging::new(&points, &lengths, true);
         let (mean, coefficients) = kriging.coefficients(&low.coefficients, low.rank);
@@ -342,7 +334,7 @@ impl Data<'_> {
             let weights: Vec<f64> = (i * rank..(i + 1) * rank).map(|k| low.coefficients[k] - left[k]).collect();
             low.mix(&weights, &mut stamp);
             let view = view(i);
-            view.turned(&stamp, 1.0, &mut turned);
+            view.turned(&stamp, 1.0 / wide(i) as f32, &mut turned);
             for (v, u) in carried[i * columns..(i + 1) * columns].as_chunks_mut::<3>().0.iter_mut().enumerate() {
                 if let Some(cell) = view.cell(self.body.points[v], self.body.normals[v]) {
                     *u = (read(&turned, &cell, 0).truncate() * held(self.body.held, v)).to_array();

@@ -156,6 +156,11 @@ pub struct Scratch {
     fours: Vec<Four>,
 }
 
+/// Factor on the width of the grid for a strength (logarithm) above that of width 1.
+pub(super) fn wide(stretch: f64, strength: f64) -> f64 {
+    exp((stretch * strength).clamp(-1.4, 1.4))
+}
+
 /// The space of hits: what a hit is as a point.
 pub(super) fn blow_point(blow: &Blow, place: Vec3, normal: Vec3, diagonal: f64, typical: &Typical) -> Option<Point> {
     Some(point(place, normal, diagonal, &strike(blow, normal, typical)?))
@@ -250,7 +255,7 @@ impl Predictor {
             all += k;
         }
         let strength = if told.is_some() { x[STRENGTH_AXIS] } else { log };
-        let wide = exp((model.stretch * (strength - model.reference)).clamp(-1.4, 1.4));
+        let wide = wide(model.stretch, strength - model.reference);
 
         s.field.clear();
         s.field.resize(3 * self.points.len(), 0.0);
@@ -260,7 +265,7 @@ impl Predictor {
         model.carried.add(n, &s.differences, &mut s.sums, &mut s.weights, &mut s.stamp);
         let (w, v) = (model.share as f32, (1.0 - model.share) as f32);
         let view = View::new(&self.frames, hit.contact, hit.normal, self.diagonal, wide);
-        view.turned(&s.stamp, v, &mut s.turned);
+        view.turned(&s.stamp, v / wide as f32, &mut s.turned);
         let far = END * self.reach;
         let (mut sums, mut contact, mut least) = ([0.0f64; 4], 0, f32::INFINITY);
         s.fours.clear();

@@ -215,7 +215,7 @@ fn a_symmetric_body_dents_symmetrically() {
     let Set { sheet, hits, fields } = &mut set;
     for ((contact, energy), field) in hits.iter().zip(fields) {
         for (p, u) in sheet.points.iter().zip(field) {
-            let r = (*p - *contact).length() / 0.2;
+            let r = (*p - *contact).length() / (0.11 * energy.cbrt().sqrt());
             *u = Vec3::NEG_Z * 0.002 * energy.sqrt() * (1.0 - r * r).max(0.0);
         }
     }
