@@ -215,7 +215,7 @@ typedef enum CrumpleHitStatus {
     CRUMPLE_HIT_STATUS_MARKED = 0,
     /// It is below a yield threshold, or its target is shorter than a millionth of the depth limit.
     CRUMPLE_HIT_STATUS_BELOW_YIELD = 1,
-    /// No example moves the contact vertex towards the target.
+    /// No example tells of a dent there.
     CRUMPLE_HIT_STATUS_NOTHING_REACHES = 2,
     /// Alone it would leave no mark, but it adds to its contact.
     CRUMPLE_HIT_STATUS_ACCUMULATED = 3,
@@ -322,10 +322,8 @@ typedef struct CrumpleExampleSetInfo {
     uint32_t lod_count;
     /// Number of examples whose impulse or striker is known. From 1 on, the set predicts what a blow leaves.
     uint32_t blow_count;
-    /// How well the other examples predict an example's displacements, and its depth: median error, 0 exact, 1 no
-    /// better than no dent. Negative if unknown.
+    /// Median of the examples' field_error.
     float field_error;
-    float depth_error;
     uint64_t reserved[2];
 } CrumpleExampleSetInfo;
 
@@ -357,8 +355,8 @@ typedef struct CrumpleMeshCopyDef {
 /// Options of an instance.
 typedef struct CrumpleInstanceDef {
     uint32_t struct_size;
-    /// Most examples that one hit may combine: 1 to 4. Default 3.
-    uint32_t examples_per_hit;
+    /// Most marks kept, 1 to 65535. Above, the weakest mark merges into the nearest. Default 64.
+    uint32_t mark_capacity;
     /// The example set, which the instance keeps alive. Required.
     CrumpleExampleSet set;
     /// Any number of yours, such as an entity or a pointer. Default 0.
@@ -366,8 +364,6 @@ typedef struct CrumpleInstanceDef {
     CrumpleRule rule;
     /// How a classic rule selects an example. CRUMPLE_RULE_MARKS needs the default.
     CrumpleSelection selection;
-    /// Most marks kept, 1 to 65535. Above, the weakest mark merges into the nearest. Default 64.
-    uint32_t mark_capacity;
     /// No vertex moves further than this, m. Default 0: the set's limit.
     float depth_limit;
     /// Impulses shorter than this leave no mark, N s, in the space of the hit. Default 0.
@@ -449,43 +445,32 @@ typedef struct CrumpleHitDef {
     uint64_t contact_id;
 } CrumpleHitDef;
 
-/// An example that a hit uses.
-typedef struct CrumpleChosen {
-    uint32_t example;
-    /// Share of the dent; shares of a hit sum to 1. Negative if it corrects overshoot of the others.
-    float share;
-    /// Factor that multiplies the example's displacements.
-    float scale;
-    /// Whether the example is anchored. Otherwise it is carried to the contact.
-    bool anchored;
-    /// Mirrored coordinates, as bits: 1 for x, 2 for y, 4 for z.
-    uint8_t mirror;
-    uint16_t reserved;
-} CrumpleChosen;
-
-/// An example, how it is placed, and its share of a dent.
-typedef struct CrumplePair {
-    /// Index of the example; 0xFFFF in an unused pair.
-    uint16_t example;
-    /// Low 12 bits: share of the dent, two's complement; 1024 is the whole dent. Bits 12, 13 and 14: the example is
-    /// mirrored in x, y and z. Bit 15: the example is anchored.
-    uint16_t share;
-} CrumplePair;
-
-/// One dent. Plain data, 32 bytes, little-endian, equal on all machines: send or save it as is.
+/// One dent. Plain data, 32 bytes, little-endian, equal on all machines: send or save it as is. Logarithms are to the base of 2, in units
+/// of 1/500, from 2^-64 on (docs/model.md, "Marks").
 typedef struct CrumpleMark {
     /// The vertex that was hit.
     uint32_t contact;
-    /// Requested depth at the contact, m, above 0.
+    /// Depth at the contact, m, above 0.
     float depth;
     /// Number of hits of this depth that it stands for, fixed point 32.32: 4294967296 for one hit.
     uint64_t hits;
-    /// Up to four examples. Used pairs come first. If the first has the example 65534, the set predicts the dent, and the pairs
-    /// are the numbers of its hit (docs/model.md, "Prediction from all examples").
-    CrumplePair pairs[4];
+    /// What the hit told: 0 the displacement of its contact, 1 its blow.
+    uint16_t told;
+    /// Shape of the striker of a blow, as CrumpleStrikerShape.
+    uint16_t striker;
+    /// Direction of the displacement or of the striker, octahedral: 0 to 65534 for -1 to 1.
+    uint16_t direction[2];
+    /// Logarithm of a blow's energy, J. This and what follows is 0 for a displacement.
+    uint16_t strength;
+    /// Logarithm of the striker's mass, kg.
+    uint16_t mass;
+    /// Logarithm of the striker's radius, m.
+    uint16_t radius;
+    /// 0.
+    uint16_t reserved;
 } CrumpleMark;
 
-/// The effect of a hit. If its status is not CRUMPLE_HIT_STATUS_MARKED, achieved, chosen and mark are zero.
+/// The effect of a hit. If its status is not CRUMPLE_HIT_STATUS_MARKED, achieved, expected_error and mark are zero.
 typedef struct CrumpleHitResult {
     CrumpleHitStatus status;
     /// The vertex nearest to the point.
@@ -496,16 +481,13 @@ typedef struct CrumpleHitResult {
     CrumpleVec3 target;
     /// Displacement of the contact by this hit alone, m, in the mesh's space.
     CrumpleVec3 achieved;
-    uint32_t chosen_count;
+    /// Expected error of the dent relative to its size (L2): 0 exact, 1 as wrong as no dent. Where it is large, one more
+    /// example helps.
+    float expected_error;
     /// Whether the target was longer than the depth limit and was cut to it.
     bool clamped;
-    /// The examples, the largest share first.
-    CrumpleChosen chosen[4];
     /// The mark. All zero if the hit leaves none.
     CrumpleMark mark;
-    /// Expected error of the dent relative to its size (L2): 0 exact, 1 as wrong as no dent. 0 if the set has not learned to
-    /// predict it. Where it is large, one more example helps.
-    float expected_error;
     uint32_t reserved[7];
 } CrumpleHitResult;
 

@@ -19,17 +19,6 @@ typedef enum CrumpleContactKind {
     CRUMPLE_CONTACT_KIND_POINT = 2,
 } CrumpleContactKind;
 
-/// Whether an example stays where it was made (anchored) or moves to where the body was hit (carried).
-typedef enum CrumplePlacement {
-    /// Anchored if the hit is within a tenth of support_radius of the example's contact and 0.9 to 1 times as deep, or
-    /// if the set's examples predict each other better anchored there. Otherwise carried. The default.
-    CRUMPLE_PLACEMENT_AUTOMATIC = 0,
-    /// Always anchored: for creases, frames, bumpers.
-    CRUMPLE_PLACEMENT_ANCHORED = 1,
-    /// Always carried: for sheet metal.
-    CRUMPLE_PLACEMENT_CARRIED = 2,
-} CrumplePlacement;
-
 /// The type of triangle indices. CRUMPLE_INDEX_TYPE_U32 is the default.
 typedef enum CrumpleIndexType {
     CRUMPLE_INDEX_TYPE_U32 = 0,
@@ -78,7 +67,6 @@ typedef struct CrumpleExampleDef {
     CrumpleStriker striker;
     /// Whether contact_normal is given. Default false: the mesh's normal is used.
     bool has_contact_normal;
-    CrumplePlacement placement;
 } CrumpleExampleDef;
 
 /// A mesh as arrays, which are copied.
@@ -115,21 +103,20 @@ typedef struct CrumpleExampleSetOptions {
     /// Mass of every vertex, kg, for impulses without a mass. It is a calibration constant in impulse * duration /
     /// mass, not the body's mass. Default 0: unknown.
     float vertex_mass;
-    /// Nodes along each side of the grid that stores a carried example: 4 to 128. Default 32; sharp creases need more.
-    /// If bake_tolerance is above 0, this is the maximum.
-    uint32_t stamp_resolution;
+    /// How far a vertex may be from where dents would put it, m: vertices follow a few of them, and more are added to these where
+    /// vertices are wrong. Less takes more memory, and hits cost more. Default 0: as many as fit all bodies well.
+    float basis_tolerance;
     /// Largest position error from quantisation at weight 1, m. Above 0, displacements are stored as integers of 1 or 2
-    /// bytes, and carried examples on the coarsest grid within the error. Default 0: exact floats. It changes the
-    /// fingerprint; depth_limit and vertex_mass do not.
+    /// bytes. Default 0: exact floats. It changes the fingerprint; depth_limit and vertex_mass do not.
     float bake_tolerance;
     /// Largest error of a normal at weight 1, degrees, above 0 and up to 45. Unused if bake_tolerance is 0. Default 1.
     float bake_normal_tolerance;
     /// Mass of each vertex, kg: vertex_count floats, instead of vertex_mass. Default absent.
     CrumpleInput vertex_masses;
-    /// Also use mirrored copies of the examples if the body is symmetric about a coordinate plane through the centre of
-    /// its bounds. Default true.
+    /// Examples also count mirrored where they agree with it, if the body is symmetric about a coordinate plane through the
+    /// centre of its bounds. Default true.
     bool mirror;
-    /// Fade carried dents to zero at boundary edges that no example moves. Default true.
+    /// Dents fade to zero at boundary edges that no example moves. Default true.
     bool held_rims;
     /// Keep the examples whole in baked bytes too, as CRUMPLE_RULE_MOST_DISPLACED and CRUMPLE_RULE_BLEND need them. An
     /// example of a body of many vertices then takes ten times the memory. Default false.
@@ -171,11 +158,9 @@ typedef struct CrumpleExampleInfo {
     float max_depth;
     /// Distance from the contact to the furthest vertex that moves noticeably, m.
     float support_radius;
-    CrumplePlacement placement;
-    /// How well the other examples predict its displacements, and its depth: 0 exact, 1 as if they predicted no dent.
-    /// Negative if unknown. Where they are large, one more example helps most.
+    /// How well the others predict its displacements from its blow, or its contact's displacement: relative L2 error, 0 exact,
+    /// 1 as wrong as no dent. Where it is large, one more example helps most.
     float field_error;
-    float depth_error;
     uint64_t reserved;
 } CrumpleExampleInfo;
 
@@ -187,13 +172,10 @@ typedef struct CrumpleDamageMapping {
     uint32_t moved;
     /// Marks left out because the nearest vertex is further than max_distance.
     uint32_t too_far;
-    /// Marks left out because an example of theirs is missing in the new set.
-    uint32_t without_example;
+    /// Marks left out because they tell a blow, and no example of the new set knows its own.
+    uint32_t without_blows;
     /// The furthest that a mark moved, m.
     float distance;
-    /// How many examples are missing that marks need, and the first of them: its index in the old set. 0xFFFFFFFF: none.
-    uint32_t missing_examples;
-    uint32_t first_missing_example;
     uint32_t reserved[3];
 } CrumpleDamageMapping;
 
@@ -235,9 +217,7 @@ CrumpleResult crumple_example_set_get_example(CrumpleContext *context, CrumpleEx
                                               CrumpleExampleInfo *out_info);
 
 /// Maps damage that was saved with old_set to set, another revision of it: a changed mesh, other examples. Each mark
-/// goes to the nearest vertex, at most max_distance away, m (0 to infinity). An example is the one of the same name; of
-/// several with one name, the n-th, if both sets have as many. If it is missing and set predicts displacements, the mark
-/// becomes a hit told as the displacement of its contact. A mark that does not fit is left out as a whole. data is
+/// goes to the nearest vertex, at most max_distance away, m (0 to infinity). A mark that does not fit is left out. data is
 /// what crumple_instance_save_damage() or crumple_context_save_damage() gave; in the latter, damage of other sets stays
 /// as it is. out_mapping may be null. Errors: CRUMPLE_ERROR_DAMAGE_MISMATCH (not old_set's, or another version, a
 /// classic rule, or cut short), CRUMPLE_ERROR_INVALID_ARGUMENT (a mark that old_set cannot have, or max_distance).

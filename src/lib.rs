@@ -6,7 +6,7 @@
 //! 1. [`ExampleSet::build`] makes an example set from a base mesh and its examples (the same mesh after a collision).
 //!    They come from plain arrays ([`MeshData`], [`ExampleData`]) or from files ([`import`]).
 //! 2. [`Instance::new`] makes one dented copy. Instances share the set.
-//! 3. [`Instance::submit`] takes a hit as the physics reports it, chooses examples and stores a [`Mark`]. Any thread
+//! 3. [`Instance::submit`] takes a hit as the physics reports it, predicts its dent and stores a [`Mark`]. Any thread
 //!    may submit through an [`Inbox`]. Parts of one contact share an id ([`Hit::contact`]).
 //! 4. [`Instance::deform`] writes positions, normals and tangents to the caller's memory ([`VertexMemory`]). It writes
 //!    only what changed ([`Tracker`]).
@@ -58,7 +58,6 @@ pub mod vulkan;
 #[allow(unsafe_code)]
 pub mod wgpu;
 
-pub use bake::basis::RuleReport;
 pub use bake::reorder::reorder;
 pub use base::error::{Error, ErrorKind};
 pub use base::math::Aabb;
@@ -72,18 +71,15 @@ pub use contacts::ContactLayer;
 pub use contacts::options::{ContactOptions, Impulses};
 pub use contacts::point::ContactPoint;
 pub use contacts::report::{ContactHit, ContactReport};
-pub use damage::mark::{Mark, Pair};
+pub use damage::mark::Mark;
 pub use deform::simd::SimdLevel;
 pub use deform::{Attribute, DeformReport, Encoding, RawStream, Tracker, VertexMemory};
 pub use example::blow::{Blow, Striker, StrikerShape};
-pub use example::data::{Contact, Deltas, ExampleData, Placement};
+pub use example::data::{Contact, Deltas, ExampleData};
 pub use example::example::Example;
-pub use example::learned::Learned;
 pub use example::options::{SetOptions, VertexMass};
 pub use example::report::{LodReport, SetReport};
-pub use example::response::Response;
 pub use example::set::ExampleSet;
-pub use example::stamp::{Stamp, StampError};
 pub use glam;
 pub use instance::Instance;
 pub use instance::archive::{load_all, save_all};

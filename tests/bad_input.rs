@@ -8,10 +8,12 @@ use std::sync::Arc;
 use crumple::glam::{Mat4, Vec3, Vec4};
 use crumple::{
     Attachment, Attribute, Blow, Cause, Contact, Deltas, Encoding, Error, ErrorKind, ExampleData, ExampleSet, Hit,
-    HitStatus, Instance, InstanceOptions, Mark, MeshData, Mirror, Pair, Placement, Rule, Selection, Serial, SetOptions,
-    Space, Striker, ThreadPool, Tracker, VertexMass, VertexMemory, load_all, map_damage, save_all,
+    HitStatus, Instance, InstanceOptions, Mark, MeshData, Rule, Selection, Serial, SetOptions, Space, Striker,
+    ThreadPool, Tracker, VertexMass, VertexMemory, load_all, map_damage, save_all,
 };
 use proptest::prelude::*;
+use twox_hash::XxHash3_64;
+
 use scenes::{Dice, Output, new, push, random_hit};
 
 /// Asserts that a result is this kind of error and that its text has all these words.
@@ -200,7 +202,6 @@ fn quick_a_body_too_small_for_f32_squares_is_built() {
 fn quick_one_vertex_is_a_mesh() {
     let mesh = MeshData { positions: vec![[0.0; 3]], ..MeshData::default() };
     let set = Arc::new(build(mesh, vec![ExampleData::new("", Deltas::Full(vec![[0.0, 0.0, -0.1]]))]).unwrap());
-    assert_eq!(set.examples()[0].placement(), Placement::Anchored, "it has no normals to be carried by");
     let mut instance = new(&set);
     assert_eq!(instance.submit(&push([0.0, 0.0, 0.05], [0.0, 0.0, -0.1])).unwrap().status, HitStatus::Marked);
     assert_eq!(instance.displaced(0).unwrap(), Vec3::ZERO, "not folded yet");
@@ -222,16 +223,16 @@ fn quick_no_examples() {
 }
 
 #[test]
-fn quick_an_empty_example_keeps_its_index_and_is_never_chosen() {
+fn quick_an_empty_example_keeps_its_index_and_tells_nothing() {
     let still = ExampleData::new("still", Deltas::Sparse { indices: vec![], values: vec![] });
     let set = Arc::new(build(triangle(), vec![still, dent()]).unwrap());
     assert_eq!(set.report().empty_examples, [0]);
     assert!(set.examples()[0].is_empty());
-    let mut instance = new(&set);
-    assert_eq!(instance.submit(&good()).unwrap().chosen[0].unwrap().example, 1);
-    let mut mark = instance.marks().unwrap()[0];
-    mark.pairs[0].example = 0;
-    refused!(instance.set_marks(&[mark]), InvalidArgument, "example of mark 0", "0");
+    assert_eq!(set.example_errors(), [0.0, 1.0]);
+    let (mut instance, mut alone) = (new(&set), new(&Arc::new(build(triangle(), vec![dent()]).unwrap())));
+    instance.submit(&good()).unwrap();
+    alone.submit(&good()).unwrap();
+    assert_eq!(Output::fresh(&mut instance).positions, Output::fresh(&mut alone).positions);
 }
 
 #[test]
@@ -285,7 +286,6 @@ fn quick_contacts_that_cannot_be() {
         |i, _| i.1[0].contact = Some(Contact::Point([0.0, 0.9, 0.0])) => "vertex 2",
         |i, _| i.1[0].contact_normal = Some([0.0; 3]) => "contact normal … length 0",
         // carrying needs a normal wherever the body may be hit
-        |i, _| { i.0 = MeshData { normals: None, tangents: None, triangles: vec![], ..triangle() }; i.1[0].placement = Placement::Carried; } => "carried … normals",
     }
 }
 
@@ -302,9 +302,6 @@ fn quick_options_of_a_set_out_of_range() {
     refuses! { Input, InvalidArgument, [-1e-9, NAN, INF];
         |i, v| i.2.drop_below = v => "drop_below",
     }
-    refuses! { Input, InvalidArgument, [0, 3, 129, u32::MAX];
-        |i, v| i.2.stamp_resolution = v => "stamp_resolution … VALUE … 4 to 128",
-    }
 }
 
 #[test]
@@ -319,9 +316,6 @@ fn quick_any_text_is_a_name() {
 
 #[test]
 fn quick_options_of_an_instance_out_of_range() {
-    refuses! { InstanceOptions, InvalidArgument, [0, 5, u32::MAX];
-        |o, v| o.examples_per_hit = v => "examples_per_hit … 1 to 4",
-    }
     refuses! { InstanceOptions, InvalidArgument, [0, 65_536, u32::MAX];
         |o, v| o.capacity = v => "capacity … 65535",
     }
@@ -500,7 +494,7 @@ fn quick_normals_that_point_at_each_other() {
         (0..mesh.positions.len()).max_by_key(key).unwrap()
     };
     let north = pole(1.0);
-    let example = ExampleData { placement: Placement::Carried, ..scenes::bowl(&mesh, north as u32, 0.1, 0.3) };
+    let example = ExampleData { ..scenes::bowl(&mesh, north as u32, 0.1, 0.3) };
     let opposite = {
         // exactly opposite normals, whatever the triangulation
         let mut mesh = mesh.clone();
@@ -610,23 +604,15 @@ fn quick_marks_that_are_none() {
     instance.submit(&good()).unwrap();
     let marks = instance.marks().unwrap().to_vec();
     let ok = marks[0];
-    let pair = ok.pairs[0];
     let mut bad: Vec<(Mark, &str)> = vec![
         (Mark { contact: 3, ..ok }, "contact"),
         (Mark { contact: u32::MAX, ..ok }, "contact"),
         (Mark { energy: 0, ..ok }, "hits"),
-        (Mark { pairs: [Pair::NONE; 4], ..ok }, "pairs"),
-        (Mark { pairs: [Pair::NONE, pair, Pair::NONE, Pair::NONE], ..ok }, "pairs"),
-        (Mark { pairs: [Pair { example: 1, ..pair }, Pair::NONE, Pair::NONE, Pair::NONE], ..ok }, "example"),
-        (Mark { pairs: [pair; 4], ..ok }, "shares"),
-        (Mark { pairs: [Pair { share: 0x9400, ..pair }, Pair::NONE, Pair::NONE, Pair::NONE], ..ok }, "mirrored"),
-        (Mark { pairs: [Pair { share: 0xF400, ..pair }, Pair::NONE, Pair::NONE, Pair::NONE], ..ok }, "mirrored"),
+        (Mark { told: 1, ..ok }, "told"),
+        (Mark { told: 2, ..ok }, "told"),
+        (Mark { mass: 7, ..ok }, "striker, strength, mass and radius"),
+        (Mark { reserved: 1, ..ok }, "reserved"),
     ];
-    // shares must sum to between 1 and 1024, whatever their signs
-    let carried = |share| Pair::carried(0, share, Mirror::NONE);
-    for shares in [[0, 0], [-1, 0], [-2048, 0], [1024, 1], [2047, -1022], [2047, 2047], [-2048, -2048], [500, -500]] {
-        bad.push((Mark { pairs: [carried(shares[0]), carried(shares[1]), Pair::NONE, Pair::NONE], ..ok }, "shares"));
-    }
     for depth in [0.0, -1.0, NAN, INF, 2e9] {
         bad.push((Mark { depth, ..ok }, "depth"));
     }
@@ -635,39 +621,18 @@ fn quick_marks_that_are_none() {
         assert_eq!(error.kind(), ErrorKind::InvalidArgument);
         still_usable(&mut instance, &marks);
         // the same in a saved file: the bytes of its one mark are replaced
-        let mut bytes = version_1(instance.save());
-        let at = bytes.len() - 32;
-        bytes[at..at + 4].copy_from_slice(&mark.contact.to_le_bytes());
-        bytes[at + 4..at + 8].copy_from_slice(&mark.depth.to_le_bytes());
-        bytes[at + 8..at + 16].copy_from_slice(&mark.energy.to_le_bytes());
-        for (i, p) in mark.pairs.iter().enumerate() {
-            bytes[at + 16 + 4 * i..at + 18 + 4 * i].copy_from_slice(&p.example.to_le_bytes());
-            bytes[at + 18 + 4 * i..at + 20 + 4 * i].copy_from_slice(&p.share.to_le_bytes());
-        }
-        assert!(instance.load(&bytes).is_err_and(|e| e.to_string().contains(name)), "{mark:?}");
+        let mut bytes = instance.save();
+        let end = bytes.len() - 8;
+        bytes[end - 32..end].copy_from_slice(bytemuck::bytes_of(&mark));
+        assert!(instance.load(&sealed(bytes)).is_err_and(|e| e.to_string().contains(name)), "{mark:?}");
         still_usable(&mut instance, &marks);
     }
-    // shares just within the limits
-    for shares in [[1, 0], [2047, -1023], [2047, -2046], [-1023, 2047], [1024, 0]] {
-        let pairs = [carried(shares[0]), carried(shares[1]), Pair::NONE, Pair::NONE];
-        instance.set_marks(&[Mark { pairs, ..ok }]).unwrap();
-    }
 }
 
-#[test]
-fn quick_marks_that_carry_what_is_pinned() {
-    let pinned = ExampleData { placement: Placement::Anchored, ..dent() };
-    let set = Arc::new(build(triangle(), vec![pinned]).unwrap());
-    let mut instance = new(&set);
-    let pairs = [Pair::carried(0, Pair::WHOLE, Mirror::NONE), Pair::NONE, Pair::NONE, Pair::NONE];
-    refused!(instance.set_marks(&[Mark::new(0, 0.1, pairs)]), InvalidArgument, "mark 0", "carried", "anchored");
-    still_usable(&mut instance, &[]);
-}
-
-/// What version 1 of saved damage was: without a checksum.
-fn version_1(mut bytes: Vec<u8>) -> Vec<u8> {
-    bytes[4] = 1;
-    bytes.truncate(bytes.len() - 8);
+/// Saved damage that was changed, with the checksum of its bytes.
+fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
+    let (damage, checksum) = bytes.split_last_chunk_mut().unwrap();
+    *checksum = XxHash3_64::oneshot(damage).to_le_bytes();
     bytes
 }
 
@@ -699,15 +664,8 @@ fn quick_every_flipped_bit_of_saved_damage() {
             refused!(map_damage(&other, &other, &flipped(&all, bit), INF), DamageMismatch, "");
         }
         assert!(fresh.save() == clean);
-        fresh.load(&version_1(one.clone())).unwrap();
-        assert!(fresh.save() == one, "damage of version 1");
         load_all(&mut [&mut fresh], &all, &Serial).unwrap();
-        let mut old_all = version_1(all);
-        let size = (one.len() as u64 - 8).to_le_bytes();
-        old_all.truncate(16);
-        old_all.extend(size.into_iter().chain(version_1(one.clone())));
-        load_all(&mut [&mut fresh], &old_all, &Serial).unwrap();
-        assert!(fresh.save() == one, "damage of several bodies, version 1");
+        assert!(fresh.save() == one);
     }
 }
 
@@ -735,11 +693,10 @@ fn quick_saved_damage_of_another_kind_set_or_version() {
     instance.submit(&good()).unwrap();
     let marks = instance.marks().unwrap().to_vec();
     let bytes = instance.save();
-    let old = version_1(bytes.clone());
     let changed = |at: usize| {
-        let mut bytes = old.clone();
+        let mut bytes = bytes.clone();
         bytes[at] ^= 0x40;
-        bytes
+        sealed(bytes)
     };
     refused!(instance.load(&changed(0)), DamageMismatch, "begins");
     let error = refused!(instance.load(&changed(4)), DamageMismatch, "version");
@@ -776,14 +733,14 @@ proptest! {
             instance.submit(&random_hit(&set, &mut dice)).unwrap();
         }
         let clean = instance.save();
-        // whose bytes no checksum holds
-        let mut bytes = version_1(clean.clone());
+        let mut bytes = clean.clone();
         for _ in 0..flips {
             // mostly past the header, where every bit is checked
             let from = if dice.index(8) == 0 { 0 } else { 16.min(bytes.len() - 1) };
             let at = from + dice.index(bytes.len() - from);
             bytes[at] = [0x00, 0xff, 0x7f, 0x80, bytes[at] ^ 1 << dice.index(8)][dice.index(5)];
         }
+        let bytes = sealed(bytes);
         if instance.load(&bytes).is_err() {
             prop_assert!(instance.save() == clean);
         } else if !classic {
@@ -836,23 +793,15 @@ fn quick_examples_that_barely_move_their_own_contact_stay_bounded() {
             instance.submit(&push([0.3, 0.3, 0.0], [0.0, 0.0, -size])).unwrap();
         }
         check_within(&mut instance);
-        for (anchored, shares) in
-            [(true, (624, 400)), (false, (624, 400)), (true, (2047, -1100)), (false, (-2000, 2047))]
-        {
-            for depth in [1e-30, 1e-3, 1.0, 1e9] {
-                for energy in [1, Mark::ONE, u64::MAX] {
-                    let pair = |share, anchored| {
-                        if anchored { Pair::anchored(0, share) } else { Pair::carried(0, share, Mirror::from_bits(2)) }
-                    };
-                    let (a, b) = shares;
-                    let pairs = [pair(a, anchored), pair(b, !anchored), Pair::NONE, Pair::NONE];
-                    let list = [
-                        Mark { energy, ..Mark::new(contact, depth, pairs) },
-                        Mark { energy, ..Mark::new(70, depth, pairs) },
-                    ];
-                    instance.set_marks(&list).unwrap();
-                    check_within(&mut instance);
-                }
+        for depth in [1e-30, 1e-3, 1.0, 1e9] {
+            for energy in [1, Mark::ONE, u64::MAX] {
+                let (told, striker, strength, mass, radius, reserved) = (0, 0, 0, 0, 0, 0);
+                let list = [contact, 70].map(|contact| {
+                    let direction = [32767, 32767];
+                    Mark { contact, depth, energy, told, striker, direction, strength, mass, radius, reserved }
+                });
+                instance.set_marks(&list).unwrap();
+                check_within(&mut instance);
             }
         }
     }

@@ -6,18 +6,20 @@ mod scenes;
 use std::sync::Arc;
 
 use crumple::glam::Vec3;
-use crumple::{BasisOptions, BasisReport, ExampleSet, Hit, Instance, InstanceOptions, Placement, Serial, ThreadPool};
+use crumple::{BasisOptions, BasisReport, ExampleSet, Hit, Instance, InstanceOptions, Serial, SetOptions};
 use scenes::{Dice, Output, displacements, new, random_hits};
 
-/// A copy of a set whose vertices follow nodes.
-fn following(set: &ExampleSet, options: &BasisOptions) -> (Arc<ExampleSet>, BasisReport) {
-    let mut copy = ExampleSet::load_copy(&set.save().unwrap(), &Serial).unwrap();
-    let report = copy.learn_basis(options, &ThreadPool::new(2).unwrap()).unwrap();
-    (Arc::new(copy), report)
+/// A solver body whose vertices follow nodes.
+fn following(body: &str, options: BasisOptions) -> (Arc<ExampleSet>, BasisReport) {
+    let (mesh, mut examples) = scenes::solver(body);
+    examples.truncate(8);
+    let set = scenes::build(mesh, examples, SetOptions { basis: Some(options), ..SetOptions::default() });
+    let report = set.basis_report().unwrap();
+    (set, report)
 }
 
 fn panel() -> Arc<ExampleSet> {
-    scenes::solver_set("panel", 8, Placement::Automatic)
+    scenes::solver_set("panel", 8)
 }
 
 fn options(set: &ExampleSet) -> BasisOptions {
@@ -26,14 +28,15 @@ fn options(set: &ExampleSet) -> BasisOptions {
 
 #[test]
 fn an_example_s_own_hit_gives_the_example() {
-    let set = scenes::solver_set("panel", 8, Placement::Anchored);
-    let (copy, report) = following(&set, &options(&set));
+    let set = panel();
+    let (copy, report) = following("panel", options(&set));
     for e in set.examples() {
         let hit = Hit::displacement(e.contact_point().to_array(), e.contact_displacement().to_array());
         let mut body = new(&copy);
         body.submit(&hit).unwrap();
         // Nodes are rounded to a 16000th of the depth limit, and weights and sums to a f32.
-        let most = report.worst + 1e-3 * set.depth_limit();
+        // The dent is scaled so that its contact, which is off as others are, moves as told.
+        let most = 2.0 * report.worst + 1e-3 * set.depth_limit();
         for (v, u) in displacements(&mut body).iter().enumerate() {
             let ought = e.delta(v as u32);
             assert!(u.distance(ought) <= most, "{} vertex {v}: {u} instead of {ought}", e.name());
@@ -42,12 +45,14 @@ fn an_example_s_own_hit_gives_the_example() {
 }
 
 #[test]
-fn unseen_hits_are_near_what_all_vertices_as_nodes_say() {
-    for (set, most) in [(panel(), 0.05), (scenes::solver_set("tube", 8, Placement::Automatic), 0.08)] {
-        let (copy, _) = following(&set, &options(&set));
-        let all = scenes::every_node(&set);
+fn dents_and_their_normals_are_near_those_with_all_vertices_as_nodes() {
+    for (body, most) in [("panel", 0.05), ("tube", 0.08)] {
+        let set = scenes::solver_set(body, 8);
+        let (copy, _) = following(body, options(&set));
+        let (all, _) = following(body, scenes::every_node(SetOptions::default()).basis.unwrap());
         let (mut errors, mut turns) = (Vec::new(), Vec::new());
-        for hit in random_hits(&set, 24, 77) {
+        for e in set.examples() {
+            let hit = Hit::displacement(e.contact_point().to_array(), e.contact_displacement().to_array());
             let (mut exact, mut near) = (new(&all), new(&copy));
             exact.submit(&hit).unwrap();
             near.submit(&hit).unwrap();
@@ -69,11 +74,11 @@ fn unseen_hits_are_near_what_all_vertices_as_nodes_say() {
 fn nodes_are_vertices_of_distinct_positions_and_fewer_than_vertices() {
     let set = panel();
     let tolerance = 0.05 * set.depth_limit();
-    let (_, report) = following(&set, &BasisOptions { tolerance, rounds: 12, nodes: 512 });
+    let (_, report) = following("panel", BasisOptions { tolerance, rounds: 12, nodes: 512 });
     assert!(report.nodes * 3 < set.vertex_count(), "{report:?}");
     assert!(report.worst > 0.0 && report.worst <= tolerance, "{report:?}");
     let strict = BasisOptions { tolerance: 1e-9, rounds: 0, nodes: 512 };
-    assert!(following(&set, &strict).1.worst > strict.tolerance);
+    assert!(following("panel", strict).1.worst > strict.tolerance);
     // All of the panel's positions are fewer than a set begins with.
     let built = set.basis_report().unwrap();
     assert!(built.nodes > 2000 && built.worst == 0.0, "{built:?}");
@@ -82,7 +87,7 @@ fn nodes_are_vertices_of_distinct_positions_and_fewer_than_vertices() {
 #[test]
 fn many_hits_leave_no_plateau() {
     let set = panel();
-    let (copy, _) = following(&set, &options(&set));
+    let (copy, _) = following("panel", options(&set));
     let limit = copy.depth_limit();
     let deepest = set.examples().iter().map(|e| e.max_depth()).fold(0.0, f32::max);
     assert!((limit * 0.75 - deepest).abs() < 1e-6, "the deepest example moves freely");
@@ -103,14 +108,14 @@ fn many_hits_leave_no_plateau() {
 #[test]
 fn options_and_classic_rules() {
     let set = panel();
-    let mut copy = ExampleSet::load_copy(&set.save().unwrap(), &Serial).unwrap();
     for tolerance in [0.0, -1.0, f32::NAN, f32::INFINITY] {
-        let bad = BasisOptions { tolerance, rounds: 1, nodes: 0 };
-        let error = copy.learn_basis(&bad, &Serial).unwrap_err();
+        let (mesh, examples) = scenes::solver("panel");
+        let basis = Some(BasisOptions { tolerance, rounds: 1, nodes: 0 });
+        let error =
+            ExampleSet::build(mesh, examples, SetOptions { basis, ..SetOptions::default() }, &Serial).unwrap_err();
         assert!(error.to_string().contains("tolerance"), "{error}");
     }
-    assert_eq!(copy.save().unwrap(), set.save().unwrap(), "after an error nothing has changed");
-    let (copy, _) = following(&set, &options(&set));
+    let (copy, _) = following("panel", options(&set));
     let classic = InstanceOptions::classic(crumple::Rule::MostDisplaced);
     let hit = &random_hits(&set, 1, 3)[0];
     let [mut a, mut b] = [&set, &copy].map(|s| Instance::new(s.clone(), classic).unwrap());
@@ -123,7 +128,7 @@ fn options_and_classic_rules() {
 fn bodies_of_any_kind_learn_a_basis() {
     let dent = |v: u32| {
         let poke = crumple::Deltas::Sparse { indices: vec![v], values: vec![[0.0, 0.0, -0.1]] };
-        crumple::ExampleData { placement: Placement::Anchored, ..crumple::ExampleData::new("poke", poke) }
+        crumple::ExampleData::new("poke", poke)
     };
     let far = |scale: f32, offset: f32| {
         let mut mesh = scenes::sheet(20);
@@ -145,11 +150,12 @@ fn bodies_of_any_kind_learn_a_basis() {
         ("a line", flat),
     ];
     for (name, mesh) in bodies {
-        let set = scenes::build(mesh, vec![dent(0)], Default::default());
-        let (copy, report) = following(&set, &BasisOptions::new(1e-3));
+        let basis = Some(BasisOptions::new(1e-3));
+        let copy = scenes::build(mesh, vec![dent(0)], SetOptions { basis, ..SetOptions::default() });
+        let report = copy.basis_report().unwrap();
         assert!(report.worst.is_finite() && report.nodes >= 1, "{name}: {report:?}");
         let mut body = new(&copy);
-        body.submit(&Hit::displacement(set.mesh().positions()[0].to_array(), [0.0, 0.0, -0.1])).unwrap();
+        body.submit(&Hit::displacement(copy.mesh().positions()[0].to_array(), [0.0, 0.0, -0.1])).unwrap();
         let out = Output::fresh(&mut body);
         assert!(out.positions.iter().flatten().all(|x| x.is_finite()), "{name}");
         assert_eq!(

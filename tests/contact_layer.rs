@@ -410,7 +410,7 @@ fn quick_two_bodies_share_by_how_they_give_way() {
     // The softer one takes more, whichever comes first, and the other less than against its like.
     let [hard, softer] = head_on([&set, &soft], [MASS, 100.0], 10.0);
     let [softer_too, hard_too] = head_on([&soft, &set], [MASS, 100.0], 10.0);
-    assert!(softer > 2.0 * hard, "{softer} and {hard}");
+    assert!(softer > 1.2 * hard, "{softer} and {hard}");
     assert!(same(hard, hard_too, 1e-3) && same(softer, softer_too, 1e-3));
     // A body that does not dent leaves all to the other.
     let rigid = after(

@@ -6,8 +6,8 @@ mod import_glb;
 use crumple::glam::Vec3;
 use crumple::import::{Imported, MeshChoice, PartKind, Patterns, Reading, gltf_file, gltf_slice, gltf_solids};
 use crumple::{
-    Contact, DeformJob, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, Placement, Serial, SetOptions,
-    Solid, Tracker, VertexMemory, deform,
+    Contact, DeformJob, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, Serial, SetOptions, Solid,
+    Tracker, VertexMemory, deform,
 };
 use import_glb::{Glb, square};
 use serde_json::json;
@@ -26,7 +26,6 @@ fn three() -> Glb {
     turned["extras"] = json!({
         "targetNames": ["dense", "pushed"],
         "impacts": [{ "name": "pushed", "point": [0.9, 0, 0.9], "normal": [1, 0, 0], "impulse": [2, 0, 0] }],
-        "placements": { "dense": "anchored" },
     });
     let half = std::f32::consts::FRAC_1_SQRT_2;
     glb.json["nodes"] = json!([
@@ -92,7 +91,6 @@ fn targets_of_one_name_are_one_example_in_the_scenes_space() {
     let Some(Contact::Point(point)) = pushed.contact else { panic!("a point") };
     assert!(near(point, [2.0, 0.0, 0.1]) && near(pushed.contact_normal.unwrap(), [0.0, 0.0, -1.0]));
     assert!(near(pushed.blow.impulse.unwrap(), [0.0, 0.0, -2.0]));
-    assert_eq!((dense.placement, pushed.placement), (Placement::Anchored, Placement::Automatic));
 }
 
 #[test]

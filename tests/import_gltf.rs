@@ -4,7 +4,7 @@
 mod import_glb;
 
 use crumple::import::{Imported, MeshChoice, Patterns, Reading, apply_extras, gltf_file, gltf_slice};
-use crumple::{Blow, Contact, Deltas, Error, ErrorKind, ExampleData, Placement, Striker};
+use crumple::{Blow, Contact, Deltas, Error, ErrorKind, ExampleData, Striker};
 use import_glb::{Glb, SQUARE, UP, bytes, fixture, square};
 use serde_json::{Value, json};
 use std::collections::HashMap;
@@ -132,12 +132,12 @@ fn sparse_and_dense_exports_are_the_same_examples() {
         for (x, y) in dense(&a.positions, 90).iter().flatten().zip(dense(&b.positions, 90).iter().flatten()) {
             assert!((x - y).abs() < 1e-6, "{x} {y}");
         }
-        assert_eq!((a.contact, a.placement), (b.contact, b.placement));
+        assert_eq!(a.contact, b.contact);
     }
 }
 
 #[test]
-fn impacts_and_placements_come_from_custom_properties() {
+fn impacts_come_from_custom_properties() {
     let plate = blender("two_materials.glb");
     let [left, middle] = &plate.examples[..] else { panic!("two examples") };
     assert_eq!((left.name.as_str(), middle.name.as_str()), ("Left", "Middle"));
@@ -146,7 +146,6 @@ fn impacts_and_placements_come_from_custom_properties() {
     assert_eq!(left.contact_normal, Some([0.0, 1.0, 0.0]), "normalised");
     assert_eq!(middle.contact, Some(Contact::Point([0.0, 0.0, -0.125])));
     assert_eq!(middle.contact_normal, None);
-    assert_eq!((left.placement, middle.placement), (Placement::Anchored, Placement::Automatic));
 }
 
 #[test]
@@ -162,7 +161,7 @@ fn uv_seams_hard_edges_and_odd_keys() {
         assert_dent(&drum, &drum.examples[0], [0.3, 0.0, 0.0], 0.25, 0.08, [-1.0, 0.0, 0.0]);
         assert_dent(&drum, &drum.examples[1], [0.0, 0.3, -0.3], 0.25, 0.06, [0.0, -0.8, 0.6]);
         assert_eq!(sparse(&drum.examples[2].positions).0, [0u32; 0]);
-        assert!(drum.examples.iter().all(|e| e.placement == Placement::Carried && e.contact.is_none()));
+        assert!(drum.examples.iter().all(|e| e.contact.is_none()));
         let split: usize = drum.mesh.normals.iter().flatten().filter(|n| n[1].abs() > 0.999).count();
         assert_eq!(split, 26, "the caps keep their own normals at the hard edge");
     }
@@ -653,17 +652,10 @@ const MALFORMED_EXTRAS: &str = r#"
 {"impacts": [{"point": [0, 0, 0], "striker": {"velocity": [1e300, 0, 0]}}]} | NotFinite | extras.impacts[0].striker.velocity.x is inf
 {"impacts": [{"point": [0, 0, 0]}, {"point": [0, 0, 0]}, {"point": [0, 0, 0]}]} | Format | extras.impacts has 3 entries for 2 targets
 {"targetNames": ["p", "q"], "impacts": [{"name": "x", "point": [0, 0, 0]}]} | Format | impacts[0] is for 'x'; there is no such target (there are 'p', 'q')
-{"placements": "sideways"} | Format | 'sideways'; it must be automatic, anchored or carried
-{"placements": ["carried"]} | Format | 1 words for 2 targets
-{"placements": ["carried", 1]} | Format | extras.placements[1] is 1
-{"placements": 1} | Format | extras.placements is 1
-{"placements": "{\"p\"}"} | Format | extras.placements is a text that is not JSON
-{"placements": {"r": "carried"}, "targetNames": ["p", "q"]} | Format | names 'r'
-{"placements": {"p": 1}, "targetNames": ["p", "q"]} | Format | extras.placements['p'] is 1
 "#;
 
 #[test]
-fn malformed_impacts_and_placements_are_named() {
+fn malformed_impacts_are_named() {
     for line in MALFORMED_EXTRAS.lines().skip(1) {
         let [extras, kind, part] = line.split(" | ").collect::<Vec<_>>()[..] else { panic!("{line}") };
         let error = with_extras(serde_json::from_str(extras).unwrap()).unwrap_err();
@@ -675,7 +667,7 @@ fn malformed_impacts_and_placements_are_named() {
 #[test]
 fn an_engine_that_imported_the_file_can_apply_its_extras() {
     let extras = json!({
-        "targetNames": ["p", "q"], "placements": { "p": "anchored" },
+        "targetNames": ["p", "q"],
         "impacts": [{ "name": "q", "contact_vertex": 2, "normal": [0, 1, 0], "striker": { "mass": 2 } }],
     });
     let expected = with_extras(extras.clone()).unwrap();
@@ -683,28 +675,13 @@ fn an_engine_that_imported_the_file_can_apply_its_extras() {
     let vertices = expected.mesh.positions.len();
     apply_extras(&extras.to_string(), vertices, &mut examples).unwrap();
     assert_eq!(examples, expected.examples);
-    for (bad, part) in [("[]", "must be an object"), ("{", "not JSON"), (r#"{"placements": "none"}"#, "'none'")] {
+    for (bad, part) in [("[]", "must be an object"), ("{", "not JSON"), (r#"{"impacts": 7}"#, "extras.impacts is 7")] {
         let error = apply_extras(bad, vertices, &mut examples).unwrap_err().to_string();
         assert!(error.contains(part), "{error}");
         assert_eq!(examples, expected.examples, "an error changes nothing");
     }
     apply_extras("{}", vertices, &mut examples).unwrap();
     assert_eq!(examples, expected.examples, "what extras do not say stays");
-}
-
-#[test]
-fn placements_by_word_list_and_name() {
-    use Placement::{Anchored as A, Automatic as U, Carried as C};
-    let placed = |value: Value| -> Vec<Placement> {
-        let imported = with_extras(json!({ "targetNames": ["p", "q"], "placements": value })).unwrap();
-        imported.examples.into_iter().map(|e| e.placement).collect()
-    };
-    assert_eq!(placed(json!("Anchored")), [A, A]);
-    assert_eq!(placed(json!("anchored, carried")), [A, C]);
-    assert_eq!(placed(json!(["carried", "automatic"])), [C, U]);
-    assert_eq!(placed(json!({ "q": "anchored" })), [U, A]);
-    assert_eq!(placed(json!("{\"q\": \"anchored\"}")), [U, A], "a text, as Blender's interface makes them");
-    assert_eq!(placed(Value::Null), [U, U]);
 }
 
 #[test]

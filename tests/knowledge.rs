@@ -1,14 +1,11 @@
-//! What a set learns from its body and its examples: mirror planes, held rims, the width of the place axes, and which
-//! examples stay anchored.
+//! What a set learns from its body and its examples: mirror planes, held rims, and what stays in its place.
 
 mod scenes;
 
 use std::sync::Arc;
 
 use crumple::glam::Vec3;
-use crumple::{
-    Contact, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData, Mirror, Placement, SetOptions,
-};
+use crumple::{Contact, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData, Mirror, SetOptions};
 use scenes::{Dice, Output, build, displacements, new, push, random_hit, relative_l2};
 
 fn positions(set: &ExampleSet) -> &[Vec3] {
@@ -22,10 +19,9 @@ fn dent(set: &Arc<ExampleSet>, options: InstanceOptions, hit: &Hit) -> (Vec<Vec3
     (displacements(&mut instance), outcome)
 }
 
-fn with_placement(body: &str, count: usize, placement: Placement, options: SetOptions) -> Arc<ExampleSet> {
+fn with_options(body: &str, count: usize, options: SetOptions) -> Arc<ExampleSet> {
     let (mesh, mut examples) = scenes::solver(body);
     examples.truncate(count);
-    examples.iter_mut().for_each(|e| e.placement = placement);
     build(mesh, examples, options)
 }
 
@@ -56,8 +52,8 @@ fn lopsided(n: usize) -> MeshData {
 #[test]
 fn mirror_planes_are_found_where_they_are() {
     let planes = |set: &ExampleSet| set.report().mirror_planes.bits();
-    assert_eq!(planes(&scenes::solver_set("panel", 2, Placement::Automatic)), 0b011);
-    assert_eq!(planes(&scenes::solver_set("tube", 2, Placement::Automatic)), 0b111);
+    assert_eq!(planes(&scenes::solver_set("panel", 2)), 0b011);
+    assert_eq!(planes(&scenes::solver_set("tube", 2)), 0b111);
     // flat in z: a mirror image in that plane would be the example itself
     assert_eq!(planes(&scenes::sheet_set()), 0b011);
     assert_eq!(planes(&scenes::ball_set()), 0b111);
@@ -105,25 +101,22 @@ fn a_hit_at_the_mirrored_place_of_an_example_gives_its_mirrored_field() {
     for (body, planes) in [("panel", vec![1, 2, 3]), ("tube", vec![1, 2, 3, 4, 5, 6, 7])] {
         let (mesh, all) = scenes::solver(body);
         for e in &all[..3] {
-            let one = ExampleData { placement: Placement::Carried, ..e.clone() };
-            let set = build(mesh.clone(), vec![one], SetOptions::default());
+            let set = build(mesh.clone(), vec![e.clone()], SetOptions::default());
             let e = &set.examples()[0];
             let field: Vec<Vec3> = (0..set.vertex_count() as u32).map(|v| e.delta(v)).collect();
-            let options = InstanceOptions { examples_per_hit: 1, ..InstanceOptions::default() };
-            // carried to where it was made: the error of resampling
+            let options = InstanceOptions::default();
             let own = push(e.contact_point().to_array(), e.contact_displacement().to_array());
-            let resampled = relative_l2(&dent(&set, options, &own).0, &field);
-            assert!(resampled < 0.2, "{body}: {resampled}");
+            let followed = relative_l2(&dent(&set, options, &own).0, &field);
+            assert!(followed < 0.02, "{body}: {followed}");
             for planes in planes.iter().map(|p| Mirror::from_bits(*p)) {
                 let (image, flip) = (images(&set, planes), mirrored(planes));
                 let at = positions(&set)[image[e.contact_vertex() as usize]];
                 let hit = push(at.to_array(), (e.contact_displacement() * flip).to_array());
-                let (is, outcome) = dent(&set, options, &hit);
-                assert_eq!(outcome.chosen[0].unwrap().mirror, planes, "{body}");
+                let (is, _) = dent(&set, options, &hit);
                 let mut ought = vec![Vec3::ZERO; is.len()];
                 image.iter().zip(&field).for_each(|(to, d)| ought[*to] = *d * flip);
                 let off = relative_l2(&is, &ought);
-                assert!(off < resampled + 0.04, "{body}, {planes:?}: {off}, resampled {resampled}");
+                assert!(off < followed + 0.04, "{body}, {planes:?}: {off}, at its own place {followed}");
             }
         }
     }
@@ -133,8 +126,7 @@ fn a_hit_at_the_mirrored_place_of_an_example_gives_its_mirrored_field() {
 fn a_hit_and_its_mirror_image_give_mirrored_dents() {
     for (body, planes) in [("panel", 1), ("panel", 2), ("tube", 1), ("tube", 4), ("tube", 7)] {
         let planes = Mirror::from_bits(planes);
-        // carried, since an example that stays where it was made has no image there
-        let set = with_placement(body, 12, Placement::Carried, SetOptions::default());
+        let set = with_options(body, 12, SetOptions::default());
         let (image, flip) = (images(&set, planes), mirrored(planes));
         let mut dice = Dice::new(5);
         let mut worst = 0.0f64;
@@ -159,18 +151,10 @@ fn a_hit_and_its_mirror_image_give_mirrored_dents() {
 #[test]
 fn without_mirror_nothing_is_mirrored() {
     let options = SetOptions { mirror: false, ..SetOptions::default() };
-    let set = with_placement("tube", 6, Placement::Automatic, options);
+    let set = with_options("tube", 6, options);
     assert_eq!(set.report().mirror_planes, Mirror::NONE);
-    let both = with_placement("tube", 6, Placement::Automatic, SetOptions::default());
+    let both = with_options("tube", 6, SetOptions::default());
     assert_ne!(set.fingerprint(), both.fingerprint());
-    let mirrored = |set: &Arc<ExampleSet>| {
-        let mut dice = Dice::new(3);
-        let instance = new(set);
-        let outcomes: Vec<_> = (0..40).map(|_| instance.preview(&random_hit(set, &mut dice)).unwrap()).collect();
-        outcomes.iter().flat_map(|o| o.chosen).flatten().filter(|c| c.mirror != Mirror::NONE).count()
-    };
-    assert_eq!(mirrored(&set), 0);
-    assert!(mirrored(&both) > 20);
 }
 
 // ------------------------------------------------------------------------------------------------------------------- rims
@@ -195,7 +179,7 @@ fn rim(set: &ExampleSet) -> Vec<usize> {
 #[test]
 fn a_held_rim_never_moves_under_what_is_carried() {
     let moves = |held_rims: bool| {
-        let set = with_placement("panel", 12, Placement::Carried, SetOptions { held_rims, ..SetOptions::default() });
+        let set = with_options("panel", 12, SetOptions { held_rims, ..SetOptions::default() });
         let rim = rim(&set);
         assert_eq!(set.report().held_vertices, if held_rims { rim.len() } else { 0 });
         let mut instance = new(&set);
@@ -218,7 +202,7 @@ fn a_held_rim_never_moves_under_what_is_carried() {
 
 #[test]
 fn the_rest_of_a_target_beside_a_held_rim_is_unmet() {
-    let set = with_placement("panel", 12, Placement::Carried, SetOptions::default());
+    let set = with_options("panel", 12, SetOptions::default());
     let rim = rim(&set);
     let at = positions(&set)[rim[3]];
     let instance = new(&set);
@@ -279,8 +263,7 @@ fn each_loop_is_held_or_free_by_itself() {
     // squeezed all the way up, free at the top, clamped at the bottom
     let squeeze = |p: Vec3| Vec3::new(-p.x, -p.y, 0.0) * 0.2 * p.z;
     let mesh = pipe(n);
-    let mut e = example(&mesh, (n / 2 * (n + 1)) as u32, squeeze);
-    e.placement = Placement::Carried;
+    let e = example(&mesh, (n / 2 * (n + 1)) as u32, squeeze);
     let clamped = build(mesh, vec![e], SetOptions::default());
     // all around, and the vertex at the seam twice
     assert_eq!(clamped.report().held_vertices, n + 1);
@@ -302,12 +285,11 @@ fn tailed(n: usize) -> Arc<ExampleSet> {
     let mesh = scenes::sheet(n);
     let contact = scenes::nearest(&mesh, [0.1, -0.05, 0.0]);
     let side = |x: f32| 1.0 - (2.0 * x).powi(60);
-    let mut e = example(&mesh, contact, |p| {
+    let e = example(&mesh, contact, |p| {
         let r = p - Vec3::new(0.1, -0.05, 0.0);
         let w = side(p.x) * side(p.y) / (1.0 + r.length_squared() / 0.01);
         Vec3::new(0.1 * r.x * w, 0.1 * r.y * w, -0.05 * w)
     });
-    e.placement = Placement::Carried;
     build(mesh, vec![e], SetOptions { depth_limit: Some(1.0), ..SetOptions::default() })
 }
 
@@ -331,9 +313,9 @@ fn no_jumps_across_the_window_nor_on_the_sides_of_a_stamp() {
     let window = 1.5 / (0.03 * set.mesh().bounds().diagonal());
     for (x, y) in [(0.0, 0.0), (0.3, -0.2), (0.49, 0.1), (0.46, 0.44), (-0.5, 0.5)] {
         for depth in [0.003, 0.05, 0.2] {
-            let (field, outcome) = dent(&set, InstanceOptions::default(), &push([x, y, 0.0], [0.0, 0.0, -depth]));
-            let scale = outcome.chosen[0].unwrap().scale;
-            let stretch = (outcome.mark.unwrap().depth / e.depth()).sqrt().clamp(0.25, 4.0);
+            let (field, _) = dent(&set, InstanceOptions::default(), &push([x, y, 0.0], [0.0, 0.0, -depth]));
+            let scale = depth / e.depth();
+            let stretch = scale.sqrt().clamp(0.25, 4.0);
             // as steep as the example and as the slope of the window; a jump of a hundredth of the depth over one cell
             // at the sides is less
             let allowed = 2.2 * own * scale / stretch + window * depth;
@@ -347,12 +329,11 @@ fn no_jumps_across_the_window_nor_on_the_sides_of_a_stamp() {
 fn normals_beside_a_held_rim_are_those_of_the_surface() {
     let mesh = scenes::sheet(200);
     let contact = scenes::nearest(&mesh, [0.0; 3]);
-    let mut round = example(&mesh, contact, |p| Vec3::new(0.0, 0.0, -0.05 * (-p.length_squared() / 0.01).exp()));
-    round.placement = Placement::Carried;
-    // shows that the sides are held, but is never chosen, since it points outwards
-    let shows =
-        example(&mesh, contact, |p| Vec3::new(0.0, 0.0, if p.x.abs().max(p.y.abs()) < 0.4999 { 0.01 } else { 0.0 }));
-    let set = build(mesh, vec![round, shows], SetOptions::default());
+    // moves everything a little but the sides, which shows that they are held
+    let inside = |p: Vec3| if p.x.abs().max(p.y.abs()) < 0.4999 { 0.011 } else { 0.0 };
+    let round =
+        example(&mesh, contact, |p| Vec3::new(0.0, 0.0, -0.05 * ((-p.length_squared() / 0.01).exp() + inside(p))));
+    let set = build(mesh, vec![round], SetOptions::default());
     assert_eq!(set.report().held_vertices, 800);
     let rim = rim(&set);
     // away from corners, where the window has a crease because two sides are equally near
@@ -366,8 +347,8 @@ fn normals_beside_a_held_rim_are_those_of_the_surface() {
             // on the rim itself there are triangles on one side only
             let inside = (0..sums.len()).filter(|v| rim.binary_search(v).is_err());
             let worst = inside.map(angle).fold(0.0, f32::max);
-            // The second example has a cliff along the rim, which few nodes follow.
-            assert!(worst < 20.0, "at {x}, {y}, depth {depth}: {worst} degrees");
+            // The window is as wide as two nodes are apart, and the example has a cliff along the rim.
+            assert!(worst < 24.0, "at {x}, {y}, depth {depth}: {worst} degrees");
         }
     }
 }
@@ -395,104 +376,12 @@ fn drum(count: usize) -> Arc<ExampleSet> {
 #[test]
 fn what_dents_the_same_wherever_it_is_hit_stays_in_place() {
     let set = drum(12);
-    let learned = set.learned();
-    assert!(learned.anchored.iter().all(|a| *a));
-    assert!(learned.anchored_error.iter().flatten().all(|e| *e < 1e-5));
-    assert!(learned.carried_error.iter().flatten().all(|e| *e > 0.1));
+    assert!(set.example_errors().iter().all(|e| *e < 0.05), "{:?}", set.example_errors());
     // a hit between the examples gets that shape too
     let at = positions(&set)[scenes::nearest(&lopsided(20), [0.1, 0.2, 0.0]) as usize];
     let (field, outcome) = dent(&set, InstanceOptions::default(), &push(at.to_array(), [0.0, 0.0, -0.05]));
-    assert!(outcome.chosen.iter().flatten().all(|c| c.anchored));
     let shape: Vec<Vec3> = (0..set.vertex_count() as u32).map(|v| set.examples()[0].delta(v)).collect();
     let contact = outcome.contact_vertex as usize;
     let as_deep: Vec<Vec3> = shape.iter().map(|d| *d * (0.05 / shape[contact].length())).collect();
     assert!(relative_l2(&field, &as_deep) < 0.02);
-}
-
-#[test]
-fn dents_that_stay_small_are_carried() {
-    for body in ["panel", "tube"] {
-        let set = scenes::solver_set(body, 24, Placement::Automatic);
-        assert!(set.learned().anchored.iter().all(|a| !a), "{body}");
-    }
-    let mesh = scenes::ball(3);
-    let examples = scenes::bowls(&mesh, 12, 0.35, 4);
-    let set = build(mesh, examples, SetOptions::default());
-    assert!(set.learned().anchored.iter().all(|a| !a));
-}
-
-#[test]
-fn too_few_examples_teach_nothing() {
-    let set = drum(7);
-    assert_eq!(set.learned().place_width, 1.3);
-    assert!(set.learned().anchored.iter().all(|a| !a));
-    assert_eq!(set.learned().carried_error.iter().flatten().count(), 7);
-    let set = drum(1);
-    assert_eq!(set.learned().carried_error, [None]);
-    assert_eq!((set.learned().worst(), set.learned().median()), (None, None));
-}
-
-/// Dents of many depths and leans on a body whose right half (x > 0) may dent differently: long and narrow instead of
-/// round.
-fn halves(alike: bool) -> Arc<ExampleSet> {
-    let mesh = lopsided(30);
-    let mut dice = Dice::new(8);
-    let inside = |v: &u32| mesh.positions[*v as usize][..2].iter().all(|x| x.abs() < 0.4);
-    let examples = scenes::spread(&mesh.positions, 60, 480)
-        .into_iter()
-        .filter(inside)
-        .take(32)
-        .map(|c| {
-            let at = Vec3::from_array(mesh.positions[c as usize]);
-            let (a, b) = if alike || at.x < 0.0 { (0.12, 0.12) } else { (0.06, 0.4) };
-            let size = dice.between(0.02, 0.1);
-            // deeper dents are wider
-            let (a, b) = (a * (size / 0.06).sqrt(), b * (size / 0.06).sqrt());
-            let push = Vec3::new(dice.between(-0.3, 0.3), dice.between(-0.3, 0.3), -1.0) * size;
-            let mut e = example(&mesh, c, |p| push * (-((p.x - at.x) / a).powi(2) - ((p.y - at.y) / b).powi(2)).exp());
-            e.placement = Placement::Carried;
-            e
-        })
-        .collect();
-    build(mesh, examples, SetOptions::default())
-}
-
-#[test]
-fn the_place_matters_as_much_as_the_examples_show() {
-    let (even, odd) = (halves(true), halves(false));
-    assert_eq!(even.learned().place_width, 1.3);
-    assert!(odd.learned().place_width < 1.0, "{:?}", odd.learned());
-    // the worst example (at the border of the halves, or in the rarer half) exists, and its error is at least the
-    // median
-    let (worst, error) = odd.learned().worst().unwrap();
-    assert!(worst < 32 && error >= odd.learned().median().unwrap());
-}
-
-// ------------------------------------------------------------------------------------------------------------------ shares
-
-#[test]
-fn scales_stay_within_one_where_they_must() {
-    let options = SetOptions { depth_limit: Some(1.0), ..SetOptions::default() };
-    let (mesh, mut examples) = scenes::solver("panel");
-    examples.truncate(16);
-    let (mut negative, mut above) = (0, 0);
-    for (i, e) in examples.iter_mut().enumerate() {
-        e.placement = [Placement::Carried, Placement::Automatic, Placement::Anchored][i % 3];
-    }
-    let set = build(mesh, examples, options);
-    let instance = Instance::new(set.clone(), InstanceOptions { examples_per_hit: 4, ..Default::default() }).unwrap();
-    let mut dice = Dice::new(6);
-    for _ in 0..300 {
-        let vertex = dice.index(set.vertex_count());
-        let n = set.mesh().contact_normal(vertex as u32).unwrap();
-        let target = (Vec3::from_array(dice.vector(0.3)) - n) * dice.between(0.002, 0.2);
-        let hit = push(positions(&set)[vertex].to_array(), target.to_array());
-        for c in instance.preview(&hit).unwrap().chosen.into_iter().flatten() {
-            negative += usize::from(c.share < 0.0);
-            above += usize::from(c.scale.abs() > 1.0);
-            assert!(c.scale.abs() <= 1.0 || !c.anchored, "{c:?}");
-        }
-    }
-    assert!(negative > 10, "{negative} negative shares");
-    assert!(above > 0);
 }

@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use crumple::glam::DVec3;
 use crumple::{
-    DeformJob, DeformReport, Error, ErrorKind, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData,
-    Placement, Rule, Serial, SetOptions, ThreadPool, Tracker, VertexMemory, deform,
+    DeformJob, DeformReport, Error, ErrorKind, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData, Rule,
+    Serial, SetOptions, ThreadPool, Tracker, VertexMemory, deform,
 };
 use scenes::{Dice, ball, bowls, coincident, cube, length, new, push, random_hits, sheet};
 
@@ -44,12 +44,7 @@ impl Level {
 }
 
 fn options(tolerance: Option<f32>) -> SetOptions {
-    SetOptions { tolerance, stamp_resolution: 12, ..SetOptions::default() }
-}
-
-fn placed(mut examples: Vec<ExampleData>, placement: Placement) -> Vec<ExampleData> {
-    examples.iter_mut().for_each(|e| e.placement = placement);
-    examples
+    SetOptions { tolerance, ..SetOptions::default() }
 }
 
 fn with_lods(mesh: MeshData, examples: Vec<ExampleData>, options: SetOptions, lods: &[MeshData]) -> Arc<ExampleSet> {
@@ -67,7 +62,7 @@ fn dented(set: &Arc<ExampleSet>, hits: &[Hit]) -> Instance {
     body
 }
 
-/// Hits at the examples' own contacts, which anchor them, and hits anywhere else.
+/// Hits at the examples' own contacts, and hits anywhere else.
 fn hits(set: &ExampleSet, seed: u64) -> Vec<Hit> {
     let own = set.examples().iter().map(|e| push(e.contact_point().into(), e.contact_displacement().into()));
     own.take(3).chain(random_hits(set, 5, seed)).collect()
@@ -76,20 +71,18 @@ fn hits(set: &ExampleSet, seed: u64) -> Vec<Hit> {
 #[test]
 fn a_level_that_is_the_base_mesh_moves_as_the_base_does() {
     for (mesh, radius) in [(sheet(12), 0.4), (ball(2), 0.45), (cube(4), 0.6)] {
-        for placement in [Placement::Anchored, Placement::Carried, Placement::Automatic] {
-            for tolerance in [None, Some(1e-4)] {
-                let examples = placed(bowls(&mesh, 4, radius, 3), placement);
-                let set = with_lods(mesh.clone(), examples, options(tolerance), std::slice::from_ref(&mesh));
-                assert_eq!(set.report().lods[0].farthest, 0.0);
-                let mut body = dented(&set, &hits(&set, 9));
-                let (base, lod) = (Level::of(&mut body, 0), Level::of(&mut body, 1));
-                assert_eq!(base.bits(), lod.bits(), "{placement:?} {tolerance:?}");
-                for (a, b) in base.normals.iter().zip(&lod.normals) {
-                    // Slopes of the base mesh were fitted, those of the level follow from its rows.
-                    assert!(length([a[0] - b[0], a[1] - b[1], a[2] - b[2]]) < 0.1, "{a:?} {b:?}");
-                }
-                assert_eq!(base.tracker.bounds(), lod.tracker.bounds());
+        for tolerance in [None, Some(1e-4)] {
+            let examples = bowls(&mesh, 4, radius, 3);
+            let set = with_lods(mesh.clone(), examples, options(tolerance), std::slice::from_ref(&mesh));
+            assert_eq!(set.report().lods[0].farthest, 0.0);
+            let mut body = dented(&set, &hits(&set, 9));
+            let (base, lod) = (Level::of(&mut body, 0), Level::of(&mut body, 1));
+            assert_eq!(base.bits(), lod.bits(), "{tolerance:?}");
+            for (a, b) in base.normals.iter().zip(&lod.normals) {
+                // Slopes of the base mesh were fitted, those of the level follow from its rows.
+                assert!(length([a[0] - b[0], a[1] - b[1], a[2] - b[2]]) < 0.1, "{a:?} {b:?}");
             }
+            assert_eq!(base.tracker.bounds(), lod.tracker.bounds());
         }
     }
 }
@@ -135,7 +128,7 @@ fn vertices_between_follow_the_interpolated_displacement() {
     let lod = MeshData { positions: points.clone(), normals: Some(vec![[0.0, 0.0, 1.0]; 702]), ..MeshData::default() };
     for tolerance in [None, Some(tolerance)] {
         let mesh = sheet(n);
-        let examples = placed(bowls(&mesh, 4, 0.35, 2), Placement::Anchored);
+        let examples = bowls(&mesh, 4, 0.35, 2);
         let set = with_lods(mesh, examples, options(tolerance), std::slice::from_ref(&lod));
         assert!((set.report().lods[0].farthest - 0.02).abs() < 1e-3);
         let mut still = 0;
@@ -160,7 +153,7 @@ fn vertices_between_follow_the_interpolated_displacement() {
 #[test]
 fn normals_of_a_level_turn_as_the_surface_does() {
     let (fine, coarse) = (ball(3), ball(2));
-    let set = with_lods(fine.clone(), placed(bowls(&fine, 3, 0.5, 2), Placement::Anchored), options(None), &[coarse]);
+    let set = with_lods(fine.clone(), bowls(&fine, 3, 0.5, 2), options(None), &[coarse]);
     let e = &set.examples()[0];
     let mut body = dented(&set, &[push(e.contact_point().into(), e.contact_displacement().into())]);
     let (base, lod) = (Level::of(&mut body, 0), Level::of(&mut body, 1));

@@ -3,25 +3,23 @@
 mod oracle;
 mod scenes;
 
-use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use crumple::{
-    Blow, Contact, Deltas, ExampleData, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, Mark, MeshData, Mirror,
-    Outcome, Pair, Placement, Rule, Selection, SetOptions, Striker,
+    Contact, Deltas, ExampleData, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, Mark, MeshData, Rule,
+    Selection, SetOptions,
 };
 use oracle::marks::Limit;
-use oracle::response::{Known, Strike};
-use oracle::vector::{self, V, add, from_f32, length, scale, sub};
-use oracle::{Model, classic, damage::Ledger, learn, marks, select};
+use oracle::vector::{add, from_f32, length, scale, sub};
+use oracle::{Model, classic, damage::Ledger, marks};
 use proptest::prelude::*;
-use scenes::{Dice, Output, build, new, push};
+use scenes::{Dice, Output, build, every_node, new, push};
 
-/// A random set: a bumpy sheet, ball or cube, with smooth and ragged examples. Some are anchored, some carried, some
-/// without a given contact.
+/// A random set: a bumpy sheet, ball or cube, with smooth and ragged examples, some without a given contact. There is a node at each
+/// vertex.
 fn random_set(dice: &mut Dice) -> Arc<ExampleSet> {
     let (mesh, examples, options) = random_data(dice);
-    build(mesh, examples, options)
+    build(mesh, examples, every_node(options))
 }
 
 fn random_data(dice: &mut Dice) -> (MeshData, Vec<ExampleData>, SetOptions) {
@@ -48,7 +46,6 @@ fn random_data(dice: &mut Dice) -> (MeshData, Vec<ExampleData>, SetOptions) {
         examples.push(ragged(&mesh, dice));
     }
     for e in &mut examples {
-        e.placement = [Placement::Automatic, Placement::Anchored, Placement::Carried][dice.index(3)];
         if dice.index(3) == 0 {
             e.contact = None;
         } else if dice.index(3) == 0 {
@@ -58,94 +55,9 @@ fn random_data(dice: &mut Dice) -> (MeshData, Vec<ExampleData>, SetOptions) {
         }
     }
     let depth_limit = (dice.index(2) == 0).then(|| dice.between(0.02, 0.5));
-    dice.index(4); // a number of the sequences that the seeds below were found with
-    let stamp_resolution = 8 + dice.index(20) as u32;
     let (mirror, held_rims) = (dice.index(4) != 0, dice.index(6) != 0);
-    let options = SetOptions { depth_limit, stamp_resolution, mirror, held_rims, ..Default::default() };
+    let options = SetOptions { depth_limit, mirror, held_rims, ..Default::default() };
     (mesh, examples, options)
-}
-
-/// A random set of up to 140 examples whose blows are known in part.
-fn random_blows(dice: &mut Dice) -> Arc<ExampleSet> {
-    let mut mesh = match dice.index(3) {
-        0 => scenes::sheet(9 + dice.index(4)),
-        1 => scenes::ball(2),
-        _ => scenes::cube(4),
-    };
-    bump(&mut mesh, dice);
-    let normals = area_normals(&mesh);
-    let count = [1, 2, 4, 7, 8, 20, 70][dice.index(7)];
-    let mut examples = scenes::bowls(&mesh_with(&mesh, &normals), count, 0.25, dice.next());
-    let (hidden, spread) = (dice.next(), [1.02, 1.3, 4.0][dice.index(3)]);
-    let twice = dice.index(2) == 0;
-    for mut e in std::mem::take(&mut examples) {
-        lean(&mut e, dice);
-        let Some(Contact::Vertex(contact)) = e.contact else { unreachable!() };
-        let normal = normals[contact as usize];
-        // some at one place, by another blow
-        for _ in 0..1 + usize::from(twice && dice.index(3) == 0) {
-            let Deltas::Sparse { values, .. } = &mut e.positions else { unreachable!() };
-            let size = if dice.index(12) == 0 { -1.0 } else { dice.between(0.5, 2.0) };
-            values.iter_mut().for_each(|u| *u = u.map(|x| size * x));
-            let depth = values.iter().map(|u| scenes::length(*u)).fold(0.0, f32::max);
-            let hidden = if dice.index(4) == 0 { dice.next() } else { hidden };
-            let made = depth * dice.between(1.0, spread) * if dice.index(2) == 0 { 1.0 } else { 1.0 / spread };
-            let blow = if dice.index(8) == 0 { Blow::default() } else { random_blow(dice, normal, made, hidden) };
-            let placement = [Placement::Automatic, Placement::Anchored, Placement::Carried][dice.index(3)];
-            examples.push(ExampleData { blow, placement, ..e.clone() });
-        }
-    }
-    if dice.index(8) == 0 {
-        (mesh.normals, mesh.tangents, mesh.triangles) = (None, None, Vec::new());
-        examples.iter_mut().for_each(|e| e.placement = Placement::Anchored);
-    }
-    build(mesh, examples, SetOptions { mirror: dice.index(4) != 0, ..SetOptions::default() })
-}
-
-/// A blow that would leave a dent of about `depth`. Bits of `hidden` say which of its parts are unknown.
-fn random_blow(dice: &mut Dice, normal: [f32; 3], depth: f32, hidden: u64) -> Blow {
-    let knows = |bit: u64| hidden >> bit & 1 == 0;
-    let mass = dice.between(0.5, 50.0);
-    let speed = 300.0 * depth / mass.powf(0.6);
-    let sideways = [0.3, 0.3, 0.3, 0.3, 0.3, 6.0][dice.index(6)];
-    let along = dice.vector(sideways);
-    let velocity = [0, 1, 2].map(|k| speed * (along[k] - normal[k]));
-    let bounce = dice.between(1.0, 1.5);
-    let turn = dice.vector(0.1);
-    let size = dice.between(0.5, 2.0);
-    let rubs = dice.vector(0.3);
-    let impulse = [0, 1, 2].map(|k| bounce * mass * (velocity[k] + speed * rubs[k]));
-    let radius = dice.between(0.005, 0.3);
-    let by_impulse = knows(0);
-    Blow {
-        impulse: by_impulse.then_some(impulse),
-        duration: None,
-        normal: knows(1).then_some([0, 1, 2].map(|k| size * (normal[k] + turn[k]))),
-        striker: Striker {
-            mass: (knows(2) || !by_impulse).then_some(mass),
-            velocity: (knows(3) || !by_impulse).then_some(velocity),
-            radius: knows(4).then_some(radius),
-            ..Default::default()
-        },
-    }
-}
-
-/// The unit normals of the mesh's surface.
-fn area_normals(mesh: &MeshData) -> Vec<[f32; 3]> {
-    if let Some(normals) = &mesh.normals {
-        return normals.clone();
-    }
-    let mut sums = vec![[0.0; 3]; mesh.positions.len()];
-    for t in &mesh.triangles {
-        let p = t.map(|v| from_f32(mesh.positions[v as usize]));
-        let n = vector::cross(sub(p[1], p[0]), sub(p[2], p[0]));
-        t.iter().for_each(|v| sums[*v as usize] = add(sums[*v as usize], n));
-    }
-    sums.into_iter().map(|n| vector::unit(n).map(|x| x as f32)).collect()
-}
-
-fn mesh_with(mesh: &MeshData, normals: &[[f32; 3]]) -> MeshData {
-    MeshData { normals: Some(normals.to_vec()), ..mesh.clone() }
 }
 
 /// Whether an example does not move the sides of the sheet.
@@ -192,13 +104,6 @@ fn ragged(mesh: &MeshData, dice: &mut Dice) -> ExampleData {
     ExampleData::new("ragged", Deltas::Sparse { indices, values })
 }
 
-/// Asserts that two displacements agree within the resolution of f32 and of the weights. `size` is the size of what was summed.
-fn agree(is: V, ought: V, size: f64, what: &str) -> Result<(), TestCaseError> {
-    let (off, allowed) = (length(sub(is, ought)), marks::rounding(ought, size, 0.0));
-    prop_assert!(off <= allowed, "{what}: {is:?} is {off:e} from {ought:?}; {allowed:e} is allowed");
-    Ok(())
-}
-
 /// An instance with the marks of random hits on `set`, some of them repeated.
 fn random_marks(set: &Arc<ExampleSet>, dice: &mut Dice, options: &InstanceOptions, count: usize) -> Instance {
     let mut instance = Instance::new(set.clone(), *options).unwrap();
@@ -209,30 +114,40 @@ fn random_marks(set: &Arc<ExampleSet>, dice: &mut Dice, options: &InstanceOption
     instance
 }
 
-/// Compares every vertex between the library and the oracle, for the instance's damage on a body with a node at every vertex.
-fn check_evaluation(instance: &mut Instance) -> Result<(), TestCaseError> {
-    let count = instance.example_set().vertex_count();
-    check_limited(instance, &vec![Limit { depth: f64::INFINITY, give: 1.0 }; count])
+/// The depth limit for a hit alone, in units of its depth or of the set's limit.
+const FREE: f32 = 4.0;
+
+/// The displacements of all vertices by one hit of a mark alone, m.
+fn alone(set: &Arc<ExampleSet>, mark: &Mark) -> Vec<[f64; 3]> {
+    // Nothing comes near the limit.
+    let depth_limit = Some(FREE * mark.depth.max(set.depth_limit()));
+    let mut body = Instance::new(set.clone(), InstanceOptions { depth_limit, ..InstanceOptions::default() }).unwrap();
+    body.set_marks(&[Mark { energy: Mark::ONE, ..*mark }]).unwrap();
+    scenes::displacements(&mut body).iter().map(|u| from_f32(u.to_array())).collect()
 }
 
-/// The same for a set whose vertices have these limits.
-fn check_limited(instance: &mut Instance, limits: &[Limit]) -> Result<(), TestCaseError> {
-    let set = scenes::every_node(instance.example_set());
-    let mut exact = Instance::new(set.clone(), *instance.options()).unwrap();
-    exact.load(&instance.save()).unwrap();
-    let model = Model::of(&set);
-    let list = marks::marks_of(&model, exact.marks().unwrap());
-    let scaled = marks::scaled(&model, &list);
-    let size: f64 = scaled.iter().map(|m| marks::size(&model, m)).sum();
-    let limit = f64::from(exact.depth_limit());
-    let out = Output::fresh(&mut exact);
+/// Compares every vertex between the library and the oracle, for the instance's damage. `free` is the same set without limits of vertices.
+fn check_limited(instance: &mut Instance, free: &Arc<ExampleSet>, limits: &[Limit]) -> Result<(), TestCaseError> {
+    let of = |mark: &Mark| marks::Mark {
+        contact: mark.contact as usize,
+        depth: f64::from(mark.depth),
+        hits: mark.energy as f64 / Mark::ONE as f64,
+        field: alone(free, mark),
+    };
+    let list: Vec<marks::Mark> = instance.marks().unwrap().iter().map(of).collect();
+    let strengths = marks::strengths(&list);
+    let model = Model::of(free);
+    let longest = |m: &marks::Mark| m.field.iter().map(|u| length(*u)).fold(0.0, f64::max);
+    let size: f64 = list.iter().zip(&strengths).map(|(m, s)| s * longest(m)).sum();
+    let limit = f64::from(instance.depth_limit()).min(16.0 * model.depth_limit);
+    // Each hit alone was rounded to steps of its own limit.
+    let steps = |m: &marks::Mark| f64::from(FREE) * m.depth.max(model.depth_limit);
+    let steps = limit + list.iter().zip(&strengths).map(|(m, s)| s * steps(m)).sum::<f64>();
+    let out = Output::fresh(instance);
     for (v, own) in limits.iter().enumerate() {
-        if list.iter().any(|m| marks::on_a_border(&model, m, v)) {
-            continue;
-        }
-        let ought = add(model.positions[v], marks::displacement(&model, &scaled, v, limit, *own));
+        let ought = add(model.positions[v], marks::displacement(&list, &strengths, v, limit, *own));
         let off = length(sub(from_f32(out.positions[v]), ought));
-        let allowed = marks::rounding(ought, size, limit.min(16.0 * model.depth_limit));
+        let allowed = marks::rounding(ought, size, steps);
         prop_assert!(
             off <= allowed,
             "vertex {v}: {:?} is {off:e} from {ought:?}; {allowed:e} is allowed",
@@ -240,6 +155,12 @@ fn check_limited(instance: &mut Instance, limits: &[Limit]) -> Result<(), TestCa
         );
     }
     Ok(())
+}
+
+/// The same for a set without limits of vertices.
+fn check_evaluation(instance: &mut Instance) -> Result<(), TestCaseError> {
+    let set = instance.example_set().clone();
+    check_limited(instance, &set, &vec![Limit { depth: f64::INFINITY, give: 1.0 }; set.vertex_count()])
 }
 
 proptest! {
@@ -315,32 +236,18 @@ proptest! {
     }
 
     #[test]
-    fn the_default_selection_is_the_designs(seed in any::<u64>(), k in 1u32..=4) {
-        let mut dice = Dice::new(seed);
-        let set = random_set(&mut dice);
-        check_selection(&set, &mut dice, k, 12)?;
-    }
-
-    #[test]
-    fn the_response_to_a_blow_is_the_models(seed in any::<u64>(), k in 1u32..=4) {
-        let mut dice = Dice::new(seed);
-        let set = random_blows(&mut dice);
-        check_response(&set, &mut dice, k, 12)?;
-    }
-
-    #[test]
-    fn planes_rims_and_what_is_learned_are_the_models(seed in any::<u64>()) {
+    fn planes_and_rims_are_the_models(seed in any::<u64>()) {
         let mut dice = Dice::new(seed);
         dice.index(2);
         check_body(&random_set(&mut dice))?;
     }
 
     #[test]
-    fn one_to_six_marks_displace_as_the_design_says(seed in any::<u64>(), hits in 1usize..=6, k in 1u32..=4) {
+    fn one_to_six_marks_displace_as_the_design_says(seed in any::<u64>(), hits in 1usize..=6) {
         let mut dice = Dice::new(seed);
         let set = random_set(&mut dice);
         let depth_limit = (dice.index(3) == 0).then(|| dice.between(0.01, 0.3));
-        let options = InstanceOptions { examples_per_hit: k, depth_limit, ..InstanceOptions::default() };
+        let options = InstanceOptions { depth_limit, ..InstanceOptions::default() };
         let mut instance = random_marks(&set, &mut dice, &options, hits);
         check_evaluation(&mut instance)?;
     }
@@ -357,6 +264,9 @@ proptest! {
         let given = dice.index(3);
         mesh.depth_limits = (given != 0).then(|| depths.clone());
         mesh.stiffness = (given != 1).then(|| stiffness.clone());
+        let options = every_node(options);
+        let free = MeshData { depth_limits: None, stiffness: None, ..mesh.clone() };
+        let free = build(free, examples.clone(), options.clone());
         let set = build(mesh, examples, options);
         // vertices at one position take the least
         let least = |v: usize, values: &dyn Fn(usize) -> f32| {
@@ -370,7 +280,7 @@ proptest! {
             })
             .collect();
         let mut instance = random_marks(&set, &mut dice, &InstanceOptions::default(), hits);
-        check_limited(&mut instance, &limits)?;
+        check_limited(&mut instance, &free, &limits)?;
         for _ in 0..8 {
             let outcome = instance.preview(&scenes::random_hit(&set, &mut dice)).unwrap();
             let own = limits[outcome.contact_vertex as usize];
@@ -391,7 +301,7 @@ proptest! {
 
     #[test]
     fn saved_and_arbitrary_marks_evaluate_alike(seed in any::<u64>()) {
-        // marks that no selection would make: any contact, any shares, anchored or carried as the example allows
+        // marks that no hit would make: any contact, depth, direction and energy
         let mut dice = Dice::new(seed);
         let set = random_set(&mut dice);
         let list: Vec<Mark> = (0..1 + dice.index(5)).map(|_| any_mark(&set, &mut dice)).collect();
@@ -403,47 +313,10 @@ proptest! {
 
 fn any_mark(set: &ExampleSet, dice: &mut Dice) -> Mark {
     let contact = dice.index(set.vertex_count()) as u32;
-    let mut pairs = [Pair::NONE; 4];
-    let (mut total, mut used) = (0, 0);
-    for _ in 0..4 {
-        let example = dice.index(set.examples().len());
-        let e = &set.examples()[example];
-        let anchored = match e.placement() {
-            Placement::Anchored => true,
-            Placement::Carried => false,
-            Placement::Automatic => dice.index(2) == 0,
-        };
-        // an anchored example must move the contact
-        if anchored && e.delta(contact).length() < 0.02 * e.depth() {
-            continue;
-        }
-        // the first share is large enough that the others may be negative
-        let share = if used == 0 { 900 + dice.index(1100) as i32 } else { dice.index(1200) as i32 - 700 };
-        if !(100..=1024).contains(&(total + share)) && used > 0 {
-            continue;
-        }
-        total += share;
-        pairs[used] = if anchored {
-            Pair::anchored(example as u16, share as i16)
-        } else {
-            // mirrored in any planes, whether or not they are the body's
-            Pair::carried(example as u16, share as i16, Mirror::from_bits(dice.index(8) as u8))
-        };
-        used += 1;
-    }
-    if used == 0 || total > 1024 {
-        let e = &set.examples()[0];
-        let contact = e.contact_vertex();
-        pairs = [Pair::NONE; 4];
-        pairs[0] = if e.placement() == Placement::Anchored {
-            Pair::anchored(0, Pair::WHOLE)
-        } else {
-            Pair::carried(0, Pair::WHOLE, Mirror::NONE)
-        };
-        return Mark { contact, depth: e.depth() * 0.5, energy: Mark::ONE, pairs };
-    }
     let energy = (Mark::ONE as f64 * f64::from(dice.between(0.05, 9.0))) as u64;
-    Mark { contact, depth: set.depth_limit() * dice.between(0.05, 1.0), energy, pairs }
+    let direction = [dice.next() as u16, dice.next() as u16];
+    let depth = set.depth_limit() * dice.between(0.05, 1.0);
+    Mark { contact, depth, energy, told: 0, striker: 0, direction, strength: 0, mass: 0, radius: 0, reserved: 0 }
 }
 
 fn check_classic(set: &Arc<ExampleSet>, dice: &mut Dice, k: f32, clamp: bool) -> Result<(), TestCaseError> {
@@ -468,12 +341,12 @@ fn check_classic(set: &Arc<ExampleSet>, dice: &mut Dice, k: f32, clamp: bool) ->
             prop_assert_eq!(outcome.status, HitStatus::NothingReaches);
             continue;
         };
-        let chosen = outcome.chosen[0].expect("some example moves the contact").example as usize;
+        let chosen = outcome.classic.expect("some example moves the contact").example as usize;
         let cosine = |e: usize| classic::cosine(target, model.examples[e].deltas[vertex]);
         prop_assert!(chosen == best || (cosine(chosen) - cosine(best)).abs() < 1e-6, "{chosen} instead of {best}");
         let weight = classic::blend_weight(target, model.examples[chosen].deltas[vertex]);
         let weight = if clamp { weight.min(1.0) } else { weight };
-        let is = f64::from(outcome.chosen[0].unwrap().scale);
+        let is = f64::from(outcome.classic.unwrap().weight);
         prop_assert!((is - weight).abs() <= 1e-5 * weight, "weight {is} instead of {weight}");
         let before = current.clone();
         classic::deform(&model, &mut current, chosen, is, f64::from(k));
@@ -505,133 +378,7 @@ fn check_classic(set: &Arc<ExampleSet>, dice: &mut Dice, k: f32, clamp: bool) ->
     Ok(())
 }
 
-/// Returns the number of hits that could be compared.
-fn check_selection(set: &Arc<ExampleSet>, dice: &mut Dice, k: u32, hits: usize) -> Result<usize, TestCaseError> {
-    let mut compared = 0;
-    let model = Model::of(set);
-    let options = InstanceOptions { examples_per_hit: k, ..InstanceOptions::default() };
-    let instance = Instance::new(set.clone(), options).unwrap();
-    for _ in 0..hits {
-        let hit = scenes::random_hit(set, dice);
-        let outcome = instance.preview(&hit).unwrap();
-        compared += usize::from(check_outcome(set, &model, &outcome, None, k)?);
-    }
-    Ok(compared)
-}
-
-/// Compares the outcome of a hit with what the oracle makes of its target. Returns whether it could be compared.
-fn check_outcome(
-    set: &ExampleSet,
-    model: &Model,
-    outcome: &Outcome,
-    strike: Option<Strike>,
-    k: u32,
-) -> Result<bool, TestCaseError> {
-    let limit = f64::from(set.depth_limit());
-    let target = from_f32(outcome.target);
-    if (length(target) / limit - 1.0).abs() > 1e-6 {
-        prop_assert_eq!(outcome.clamped, length(target) > limit);
-    }
-    let (ways, close) = select::select(model, outcome.contact_vertex as usize, target, strike, limit, k as usize);
-    if close {
-        return Ok(false);
-    }
-    let Some(mark) = outcome.mark else {
-        prop_assert!(ways.iter().any(Option::is_none), "{outcome:?} instead of {ways:?}");
-        prop_assert_eq!(outcome.status, HitStatus::NothingReaches, "{:?}", outcome);
-        prop_assert_eq!(outcome.shortfall(), outcome.target);
-        return Ok(true);
-    };
-    prop_assert_eq!(outcome.status, HitStatus::Marked);
-    let is = marks::mark_of(&mark);
-    prop_assert_eq!(is.strength, 1.0);
-    let total: f64 = is.parts.iter().map(|p| p.share).sum();
-    prop_assert!((total - 1.0).abs() < 1e-12, "shares sum to {total}");
-    prop_assert!(is.parts.windows(2).all(|p| p[0].share >= p[1].share - 3.0 / 1024.0), "{:?}", is.parts);
-    let Some(ought) = ways.iter().flatten().find(|w| same_parts(&is.parts, &w.mark.parts)) else {
-        prop_assert!(false, "{:?}\ninstead of {ways:?}", is.parts);
-        unreachable!()
-    };
-    let near = |a: f64, b: f64| (a - b).abs() <= 3e-3 * length(target).min(limit);
-    prop_assert!(near(is.depth, ought.mark.depth), "depth {} instead of {}", is.depth, ought.mark.depth);
-    // the outcome's displacement is that of its mark, to rounding, and near that of the oracle's mark
-    let met = from_f32(outcome.achieved);
-    agree(met, marks::met(model, &is), length(met) + 1e-3 * limit, "met")?;
-    prop_assert!(near(length(sub(met, ought.met)), 0.0), "met {met:?} instead of {:?}", ought.met);
-    agree(from_f32(outcome.shortfall()), sub(target, met), length(target), "unmet")?;
-    for (chosen, (part, scale)) in outcome.chosen.iter().flatten().zip(is.parts.iter().zip(marks::scales(model, &is))) {
-        prop_assert_eq!((chosen.example as usize, chosen.mirror.bits()), (part.example, part.mirror));
-        prop_assert_eq!(chosen.anchored, part.anchored);
-        prop_assert!((f64::from(chosen.scale) - scale).abs() <= 1e-4 * scale.abs() + 2e-6);
-    }
-    Ok(true)
-}
-
-/// Compares what blows are predicted to leave, and their marks. Returns the number of hits that could be compared.
-fn check_response(set: &Arc<ExampleSet>, dice: &mut Dice, k: u32, hits: usize) -> Result<usize, TestCaseError> {
-    let model = Model::of(set);
-    let Some(response) = &model.response else {
-        prop_assert!(set.response().is_none());
-        return Ok(0);
-    };
-    let Some(learned) = set.response() else {
-        prop_assert!(false, "nothing learned");
-        unreachable!()
-    };
-    if response.close {
-        return Ok(0);
-    }
-    let pairs: BTreeSet<_> = learned.contradictions().iter().map(|(a, b)| (*a as usize, *b as usize)).collect();
-    prop_assert_eq!(pairs, response.contradictions().iter().copied().collect::<BTreeSet<_>>());
-    let errors = response.depth_errors(set.examples().len());
-    for (is, ought) in learned.depth_error().iter().zip(&errors) {
-        prop_assert_eq!(is.is_some(), ought.is_some());
-        let off = is.map_or(0.0, f64::from) - ought.unwrap_or(0.0);
-        prop_assert!(off.abs() <= 1e-5 * (1.0 + ought.unwrap_or(0.0)), "{is:?} instead of {ought:?}");
-    }
-    let options = InstanceOptions { examples_per_hit: k, ..InstanceOptions::default() };
-    let instance = Instance::new(set.clone(), options).unwrap();
-    let mut compared = 0;
-    for i in 0..hits {
-        let known: Vec<_> = set.examples().iter().filter(|e| Known::of(e.blow()).is_some()).collect();
-        let (point, blow) = if i % 4 == 0 {
-            let e = known[dice.index(known.len())];
-            (e.contact_point().to_array(), *e.blow())
-        } else {
-            let vertex = dice.index(set.vertex_count());
-            let normal = set.mesh().contact_normal(vertex as u32).map_or([0.0, 0.0, 1.0], |n| n.to_array());
-            let (depth, hidden) = (set.depth_limit() * dice.between(0.0, 1.0).powi(2) * 3.0, dice.next());
-            (set.mesh().positions()[vertex].to_array(), random_blow(dice, normal, depth, hidden))
-        };
-        let outcome = instance.preview(&Hit::blow(point, blow)).unwrap();
-        let ought = response.predict(&model, &Known::of(&blow).unwrap(), outcome.contact_vertex as usize);
-        let (off, size) = (length(sub(from_f32(outcome.target), ought.target)), length(ought.target));
-        prop_assert!(
-            off <= 3e-6 * (size + response.elastic),
-            "{:?} instead of {:?} for {blow:?}",
-            outcome.target,
-            ought.target
-        );
-        let least = 1e-6 * f64::from(set.depth_limit());
-        if size < 0.5 * least {
-            prop_assert_eq!((outcome.status, outcome.mark), (HitStatus::BelowYield, None));
-        } else if size > 2.0 * least {
-            compared += usize::from(check_outcome(set, &model, &outcome, Some(ought.strike), k)?);
-        }
-    }
-    Ok(compared)
-}
-
-/// The same examples in about the same shares, in any order; one with almost no share may be absent.
-fn same_parts(a: &[marks::Part], b: &[marks::Part]) -> bool {
-    let share = |list: &[marks::Part], p: &marks::Part| {
-        let same = |q: &&marks::Part| (q.example, q.anchored, q.mirror) == (p.example, p.anchored, p.mirror);
-        list.iter().find(same).map_or(0.0, |q| q.share)
-    };
-    a.iter().chain(b).all(|p| (share(a, p) - share(b, p)).abs() < 3.5 / 1024.0)
-}
-
-/// Compares planes, rims and what was learned with the oracle's.
+/// Compares planes and rims with the oracle's. Held vertices stay where they are, whatever hits the body.
 fn check_body(set: &Arc<ExampleSet>) -> Result<(), TestCaseError> {
     let model = Model::of(set);
     prop_assert_eq!(set.report().mirror_planes.bits(), model.planes);
@@ -639,28 +386,9 @@ fn check_body(set: &Arc<ExampleSet>) -> Result<(), TestCaseError> {
         return Ok(());
     }
     prop_assert_eq!(set.report().held_vertices, model.held.len());
-    let (is, ought) = (set.learned(), learn::learn(&model));
-    if ought.close {
-        return Ok(());
-    }
-    prop_assert!((f64::from(is.place_width) - ought.width).abs() < 1e-6, "{} not {}", is.place_width, ought.width);
-    for i in 0..model.examples.len() {
-        let found = [is.carried_error[i], is.anchored_error[i]];
-        let Some((carried, anchored)) = ought.errors[i] else {
-            prop_assert_eq!(found, [None, None]);
-            continue;
-        };
-        for (is, ought) in found.into_iter().zip([carried, anchored]).filter(|(_, ought)| ought.sure) {
-            let near = match (is, ought.error) {
-                (Some(is), Some(ought)) => (f64::from(is) - ought).abs() <= 0.01 * (0.1 + ought),
-                (is, ought) => is.is_none() && ought.is_none(),
-            };
-            prop_assert!(near, "error of example {i}: {is:?} instead of {ought:?}");
-        }
-        if !ought.close_placement[i] {
-            prop_assert_eq!(is.anchored[i], ought.anchored[i], "placement of example {}", i);
-        }
-    }
+    let mut body = random_marks(set, &mut Dice::new(3), &InstanceOptions::default(), 3);
+    let moved = scenes::displacements(&mut body);
+    prop_assert!(model.held.iter().all(|v| moved[*v].length() <= 0.01 * set.depth_limit()));
     Ok(())
 }
 
@@ -680,51 +408,22 @@ fn check_ledger(set: &Arc<ExampleSet>, dice: &mut Dice, capacity: u32) -> Result
     Ok(())
 }
 
-/// The same checks on the solver's bodies: 2173 and 2244 vertices, 32 examples.
-mod solver_bodies {
-    use super::*;
-
-    fn check(body: &str, placement: Placement) {
-        let set = scenes::solver_set(body, 32, placement);
+#[test]
+fn the_solver_s_bodies_agree_too() {
+    for (body, count) in [("panel", 12), ("tube", 10)] {
+        let (mesh, mut examples) = scenes::solver(body);
+        examples.truncate(count);
+        let set = build(mesh, examples, every_node(SetOptions::default()));
         let mut dice = Dice::new(7);
-        let compared = check_selection(&set, &mut dice, 3, 40).unwrap();
-        assert!(compared >= 30, "{compared} of 40 hits could be compared");
-        for hits in [1, 3, 6] {
-            let options = InstanceOptions::default();
-            let mut instance = random_marks(&set, &mut dice, &options, hits);
+        check_body(&set).unwrap();
+        for hits in [1, 6] {
+            let mut instance = random_marks(&set, &mut dice, &InstanceOptions::default(), hits);
             check_evaluation(&mut instance).unwrap();
         }
         for (k, clamp) in [(0.0, true), (0.5, true), (0.1, false)] {
             check_classic(&set, &mut dice, k, clamp).unwrap();
         }
         check_ledger(&set, &mut dice, 5).unwrap();
-    }
-
-    #[test]
-    fn planes_rims_and_what_is_learned() {
-        for (body, count) in [("panel", 12), ("tube", 10)] {
-            check_body(&scenes::solver_set(body, count, Placement::Automatic)).unwrap();
-        }
-    }
-
-    #[test]
-    fn panel() {
-        check("panel", Placement::Automatic);
-    }
-
-    #[test]
-    fn panel_carried() {
-        check("panel", Placement::Carried);
-    }
-
-    #[test]
-    fn tube() {
-        check("tube", Placement::Automatic);
-    }
-
-    #[test]
-    fn tube_anchored() {
-        check("tube", Placement::Anchored);
     }
 }
 
@@ -738,7 +437,7 @@ fn quick_eight_marks_at_one_vertex_add_energies() {
     };
     let down = ExampleData::new("down", Deltas::Sparse { indices: vec![0], values: vec![[0.0, 0.0, -1.0]] });
     let options = SetOptions { depth_limit: Some(100.0), ..SetOptions::default() };
-    let set = build(mesh, vec![ExampleData { placement: Placement::Anchored, ..down }], options);
+    let set = build(mesh, vec![down], options);
     // Nodes move in steps of a 16 000th of the limit at most.
     let mut instance = Instance::new(set, InstanceOptions::default()).unwrap();
     for n in 1..=8u16 {
@@ -753,13 +452,9 @@ fn quick_the_oracle_agrees_on_a_few_sets() {
     for seed in 0..6 {
         let mut dice = Dice::new(seed);
         let set = random_set(&mut dice);
-        check_selection(&set, &mut dice, 1 + seed as u32 % 4, 4).unwrap();
         check_classic(&set, &mut dice, 0.25 * seed as f32 % 1.0, seed % 2 == 0).unwrap();
         check_ledger(&set, &mut dice, 4).unwrap();
         let mut instance = random_marks(&set, &mut dice, &InstanceOptions::default(), 3);
         check_evaluation(&mut instance).unwrap();
     }
-    let mut dice = Dice::new(6);
-    let compared: usize = (0..6).map(|_| check_response(&random_blows(&mut dice), &mut dice, 3, 6).unwrap()).sum();
-    assert!(compared >= 10, "{compared} of 36 blows could be compared");
 }

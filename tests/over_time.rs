@@ -43,7 +43,7 @@ proptest! {
         let after = instance.marks().unwrap().to_vec();
         let is_inside = |m: &Mark| (contact(&new(set), m) - at).length() < radius;
         for mark in &before {
-            let now = after.iter().find(|m| (m.contact, m.depth, m.pairs) == (mark.contact, mark.depth, mark.pairs));
+            let now = after.iter().find(|m| scenes::key(m) == scenes::key(mark));
             match now {
                 Some(now) if is_inside(mark) => prop_assert!(now.energy <= mark.energy),
                 Some(now) => prop_assert_eq!(now, mark),

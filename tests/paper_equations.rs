@@ -62,9 +62,8 @@ fn assert_near(a: [f32; 3], b: [f32; 3]) {
 }
 
 fn weight(outcome: &Outcome) -> (usize, f32) {
-    let chosen = outcome.chosen[0].expect("an example was chosen");
-    assert!(outcome.chosen[1..].iter().all(|c| c.is_none()), "the classic selection takes one example");
-    (chosen.example as usize, chosen.scale)
+    let chosen = outcome.classic.expect("an example was chosen");
+    (chosen.example as usize, chosen.weight)
 }
 
 #[test]

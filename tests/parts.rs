@@ -169,7 +169,7 @@ proptest! {
 fn add(to: &mut Instance, mark: Option<crumple::Mark>) {
     let Some(mark) = mark else { return };
     let mut marks = to.marks().unwrap().to_vec();
-    let same = marks.iter_mut().find(|m| (m.contact, m.depth, m.pairs) == (mark.contact, mark.depth, mark.pairs));
+    let same = marks.iter_mut().find(|m| scenes::key(m) == scenes::key(&mark));
     match same {
         Some(same) => same.energy += mark.energy,
         None => marks.push(mark),
@@ -212,7 +212,7 @@ fn quick_a_bumper_falls_off_and_is_put_on_again() {
         .zip(body.example_set().mesh().positions())
         .map(|(now, base)| (Vec3::from_array(*now) - *base).length())
         .collect();
-    assert_eq!(damage.deepest, moved.iter().copied().fold(0.0, f32::max));
+    assert!((damage.deepest - moved.iter().copied().fold(0.0, f32::max)).abs() < 1e-6);
     assert!((damage.mean - moved.iter().sum::<f32>() / moved.len() as f32).abs() < 1e-6);
 }
 

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use crumple::glam::{Mat4, Quat, Vec3};
 use crumple::{
     Attribute, Blow, Cause, DeformJob, Deltas, Encoding, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, Mark,
-    Mirror, Pair, Placement, Rule, Serial, SetOptions, SimdLevel, Space, TaskSystem, ThreadPool, Tracker, VertexMemory,
+    Rule, Serial, SetOptions, SimdLevel, Space, TaskSystem, ThreadPool, Tracker, VertexMemory,
 };
 use proptest::prelude::*;
 use scenes::{Body, Dice, Eager, Output, POISON, fnv, new, push, random_hit, random_hits};
@@ -82,29 +82,16 @@ fn check_bounded(instance: &mut Instance) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// A mark that no selection would make but that is accepted: any shares, also negative, any mirrors, anchored anywhere.
+/// A mark that no hit would make but that is accepted.
 fn any_mark(set: &ExampleSet, dice: &mut Dice) -> Mark {
-    let mut pairs = [Pair::NONE; 4];
-    let used = 1 + dice.index(4);
-    loop {
-        let mut total = 0;
-        for pair in pairs.iter_mut().take(used) {
-            let share = [dice.index(4096) as i16 - 2048, dice.index(900) as i16 - 200][dice.index(2)];
-            let example = dice.index(set.examples().len()) as u16;
-            *pair = if dice.index(2) == 0 {
-                Pair::anchored(example, share)
-            } else {
-                Pair::carried(example, share, Mirror::from_bits(dice.index(8) as u8))
-            };
-            total += i32::from(pair.units());
-        }
-        if (1..=1024).contains(&total) {
-            break;
-        }
-    }
     let depth = [1e-30, 1e-9, 0.01, 1.0, 1e9][dice.index(5)];
     let energy = [1, Mark::ONE, u64::MAX][dice.index(3)];
-    Mark { contact: dice.index(set.vertex_count()) as u32, depth, energy, pairs }
+    let mut word = || dice.next() as u16;
+    let (direction, others) = ([word(), word()], [word(), word(), word(), word()]);
+    let told = u16::from(set.predicts_blows()) & others[0];
+    let [striker, strength, mass, radius] = others.map(|x| told * x);
+    let contact = dice.index(set.vertex_count()) as u32;
+    Mark { contact, depth, energy, told, striker, direction, strength, mass, radius, reserved: 0 }
 }
 
 /// Any hit that an engine might report: sizes from 1e-30 to 1e30, any direction, as displacement or impulse.
@@ -189,25 +176,12 @@ fn quick_bounded() {
 
 // ------------------------------------------------------------------------------------------------------------------ local
 
-/// Whether any pair of the mark can move vertex `v` or turn its normal, judged by public data alone. An anchored
-/// example reaches its own support. A carried example reaches a ball around the contact that holds the stretched stamp.
-/// So does an anchored one that is widened, around its own contact.
+/// Whether the mark can move vertex `v` or turn its normal, judged by public data alone: a dent ends at 1.3 times the furthest that an
+/// example moves, and turns what is beside it.
 fn reaches(set: &ExampleSet, mark: &Mark, v: usize) -> bool {
-    mark.pairs.iter().filter(|p| !p.is_none()).any(|pair| {
-        let e = &set.examples()[usize::from(pair.example)];
-        if pair.is_anchored() && (e.delta(v as u32) != Vec3::ZERO || e.normal_delta(v as u32) != Vec3::ZERO) {
-            return true;
-        }
-        let contact = if pair.is_anchored() { e.contact_vertex() } else { mark.contact };
-        let Some(stamp) = e.stamp() else { return false };
-        let (first, step) = stamp.grid();
-        // Marks nearby may widen the dent up to the largest stretch.
-        let stretch = 4.0;
-        let corner = |k: usize| first[k].abs().max((first[k] + step[k] * (stamp.dims()[k] - 1) as f32).abs());
-        let high = stamp.height_nodes().into_iter().map(f32::abs).fold(0.0, f32::max) + stamp.fade();
-        let radius = Vec3::new(corner(0) * stretch, corner(1) * stretch, high).length() * 1.001;
-        distance(base(set, v), base(set, contact as usize)) <= f64::from(radius)
-    })
+    let furthest = set.examples().iter().map(|e| f64::from(e.support_radius())).fold(0.0, f64::max);
+    let beside = 0.1 * f64::from(set.mesh().bounds().diagonal());
+    distance(base(set, v), base(set, mark.contact as usize)) <= 1.3 * furthest + beside
 }
 
 proptest! {
@@ -234,9 +208,15 @@ proptest! {
     #[test]
     fn a_carried_dent_is_where_the_body_was_hit(seed in any::<u64>(), which in 0usize..3) {
         let mesh = [scenes::sheet(24), scenes::ball(3), scenes::cube(10)][which].clone();
-        let mut examples = scenes::bowls(&mesh, 5, 0.3, 11);
-        examples.iter_mut().for_each(|e| e.placement = Placement::Carried);
-        let set = scenes::build(mesh, examples, SetOptions::default());
+        // not on the sides of the sheet, where a dent shows half of itself
+        let inside = |p: &[f32; 3]| which > 0 || p[..2].iter().all(|x| x.abs() < 0.3);
+        let places: Vec<u32> = (0..).zip(&mesh.positions).filter(|(_, p)| inside(p)).map(|(v, _)| v).collect();
+        let bowl = |i: usize| {
+            let place = places[i * 37 % places.len()];
+            scenes::bowl(&mesh, place, 0.03 + 0.015 * i as f32, 0.22 + 0.03 * i as f32)
+        };
+        let examples = (0..5).map(bowl).collect();
+        let set = scenes::build(mesh.clone(), examples, SetOptions::default());
         let mut dice = Dice::new(seed);
         let vertex = dice.index(set.vertex_count());
         let n = set.mesh().contact_normal(vertex as u32).unwrap();
@@ -246,10 +226,8 @@ proptest! {
         let outcome = instance.submit(&push(base(&set, vertex), (n * -depth).to_array())).unwrap();
         prop_assert_eq!(outcome.status, HitStatus::Marked);
         let mark = outcome.mark.unwrap();
-        let wide = mark.pairs.iter().filter(|p| !p.is_none()).map(|p| {
-            let e = &set.examples()[usize::from(p.example)];
-            e.support_radius() * (mark.depth / e.depth()).sqrt().clamp(0.25, 4.0)
-        }).fold(0.0, f32::max);
+        let wide = |e: &crumple::Example| e.support_radius() * (mark.depth / e.depth()).sqrt().clamp(0.25, 4.0);
+        let wide = set.examples().iter().map(wide).fold(0.0, f32::max);
         let out = Output::fresh(&mut instance);
         let moved = |v: usize| distance(out.positions[v], base(&set, v));
         let deepest = (0..set.vertex_count()).max_by(|a, b| moved(*a).total_cmp(&moved(*b))).unwrap();
@@ -262,7 +240,7 @@ proptest! {
         // a bowl is round: no vertex outside its radius moves much, and every vertex well inside moves
         for v in 0..set.vertex_count() {
             let away = distance(base(&set, v), base(&set, vertex)) as f32;
-            prop_assert!(moved(v) <= 0.02 * f64::from(depth) || away <= 1.2 * wide, "vertex {v} moved {} at {away} m, radius {wide}", moved(v));
+            prop_assert!(moved(v) <= 0.05 * f64::from(depth) || away <= 1.7 * wide, "vertex {v} moved {} at {away} m, radius {wide}", moved(v));
         }
     }
 }
@@ -270,11 +248,10 @@ proptest! {
 #[test]
 fn quick_an_example_that_moves_one_vertex_can_be_carried() {
     let mesh = scenes::sheet(8);
-    let mut example = crumple::ExampleData::new(
+    let example = crumple::ExampleData::new(
         "poke",
         crumple::Deltas::Sparse { indices: vec![30], values: vec![[0.0, 0.0, -0.1]] },
     );
-    example.placement = Placement::Carried;
     let set = scenes::build(mesh, vec![example], SetOptions::default());
     for vertex in [30usize, 33] {
         let mut instance = new(&set);
@@ -444,9 +421,9 @@ fn sets_are_built_alike_on_any_number_of_threads() {
 #[test]
 fn quick_golden_marks_are_the_same_on_every_platform() {
     const GOLDEN: [(&str, u64, u64); 3] = [
-        ("sheet", 0xf97700d84431c10b, 0x60dccc77b5e1799a),
-        ("ball", 0x10c5596bb3f1b7c5, 0xf05366c55e5064c2),
-        ("cube", 0x0a728c2fefdc3891, 0x3d293b6471f80123),
+        ("sheet", 0xbdda6594fb369fa3, 0x77555da493bdcb07),
+        ("ball", 0x120dcbde19587481, 0x9831ed28ffea8497),
+        ("cube", 0xf411f5ef2238dd67, 0xfb9f2bbdb63ddaae),
     ];
     let found: Vec<(&str, u64, u64)> = scenes::small_bodies()
         .into_iter()
@@ -520,7 +497,7 @@ proptest! {
         let set = if random_set {
             let mesh = scenes::cube(8);
             let examples = scenes::bowls(&mesh, 5, 0.6, seed);
-            scenes::build(mesh, examples, SetOptions { stamp_resolution: 7, ..SetOptions::default() })
+            scenes::build(mesh, examples, SetOptions::default())
         } else {
             bodies()[2].1.clone()
         };
@@ -835,9 +812,7 @@ fn a_small_dent_writes_few_blocks_of_a_large_mesh() {
 fn quick_a_mark_that_is_merged_away_is_rewritten() {
     // the weak dent is at one end of a body of many blocks, and those that displace it at the other
     let mesh = scenes::sheet(40);
-    let mut examples = scenes::bowls(&mesh, 2, 0.06, 1);
-    examples.iter_mut().for_each(|e| e.placement = Placement::Carried);
-    let set = scenes::build(mesh, examples, SetOptions::default());
+    let set = scenes::build(mesh.clone(), scenes::bowls(&mesh, 2, 0.06, 1), SetOptions::default());
     let mut instance = with(&set, InstanceOptions { capacity: 2, ..InstanceOptions::default() });
     let mut out = Output::new(&set);
     let depth = set.depth_limit();
@@ -1113,49 +1088,16 @@ fn quick_n_equal_hits_are_deeper_by_the_power_until_the_limit() {
     }
 }
 
-/// Number of vertices that move by more than half of the farthest, and how far the farthest moves, m.
-fn half_width(out: &Output, set: &ExampleSet) -> (usize, f64) {
-    let moved: Vec<f64> = (0..set.vertex_count()).map(|v| distance(out.positions[v], base(set, v))).collect();
-    let deepest = moved.iter().copied().fold(0.0, f64::max);
-    (moved.iter().filter(|u| **u > 0.5 * deepest).count(), deepest)
-}
-
 /// A fine sheet with three bowls a twentieth of it wide.
-fn wide_sheet(placement: Placement) -> Arc<ExampleSet> {
+fn wide_sheet() -> Arc<ExampleSet> {
     let mesh = scenes::sheet(60);
-    let mut examples = scenes::bowls(&mesh, 3, 0.1, 1);
-    examples.iter_mut().for_each(|e| e.placement = placement);
+    let examples = scenes::bowls(&mesh, 3, 0.1, 1);
     scenes::build(mesh, examples, SetOptions { depth_limit: Some(10.0), ..SetOptions::default() })
 }
 
 #[test]
-fn quick_eight_hits_at_one_place_leave_a_wider_dent() {
-    for placement in [Placement::Carried, Placement::Automatic, Placement::Anchored] {
-        let set = wide_sheet(placement);
-        let e = &set.examples()[0];
-        let hit = push(e.contact_point().into(), e.contact_displacement().into());
-        let mut instance = new(&set);
-        instance.submit(&hit).unwrap();
-        let (one, deep) = half_width(&Output::fresh(&mut instance), &set);
-        for _ in 1..8 {
-            instance.submit(&hit).unwrap();
-        }
-        let (eight, deeper) = half_width(&Output::fresh(&mut instance), &set);
-        let ought = deep * 8f64.powf(1.0 / 2.4);
-        assert!((deeper / ought - 1.0).abs() < 0.02, "{placement:?}: {deeper}, not {ought}");
-        // The area grows as the depth does.
-        let (least, most) = if placement == Placement::Anchored { (0.8, 1.2) } else { (1.8, 2.8) };
-        let wider = eight as f64 / one as f64;
-        assert!((least..=most).contains(&wider), "{placement:?}: {eight} vertices after {one}");
-        instance.set_depth_limit(Some(deep as f32)).unwrap();
-        let (_, cut) = half_width(&Output::fresh(&mut instance), &set);
-        assert!(cut <= deep * 1.000001, "{placement:?}: {cut}, not at most {deep}");
-    }
-}
-
-#[test]
 fn quick_different_marks_at_one_contact_add_their_energies() {
-    let set = wide_sheet(Placement::Carried);
+    let set = wide_sheet();
     let contact = base(&set, 1800);
     let mut instance = new(&set);
     let depths = [0.02f32, 0.03, 0.011];
@@ -1170,7 +1112,7 @@ fn quick_different_marks_at_one_contact_add_their_energies() {
 
 #[test]
 fn quick_overlapping_neighbours_do_not_depend_on_order() {
-    let set = wide_sheet(Placement::Automatic);
+    let set = wide_sheet();
     let at = |x: f32| push([x, 0.01, 0.0], [0.0, 0.0, -0.02 - 0.3 * x.abs()]);
     let hits = [at(-0.06), at(-0.02), at(0.0), at(0.03), at(0.0), at(0.07)];
     let after = |order: &[usize], each: bool| {
@@ -1191,7 +1133,7 @@ fn quick_overlapping_neighbours_do_not_depend_on_order() {
 
 #[test]
 fn quick_a_mark_far_away_changes_nothing() {
-    let set = wide_sheet(Placement::Carried);
+    let set = wide_sheet();
     let (near, far) = (push([-0.3, 0.0, 0.0], [0.0, 0.0, -0.03]), push([0.3, 0.1, 0.0], [0.0, 0.0, -0.04]));
     let mut instance = new(&set);
     for _ in 0..3 {
@@ -1214,15 +1156,11 @@ fn length3(v: [f32; 3]) -> f32 {
 }
 
 fn check_own_contacts(set: &Arc<ExampleSet>) {
-    let exact = scenes::every_node(set);
     for (i, e) in set.examples().iter().enumerate() {
-        let mut instance = new(&exact);
+        let mut instance = new(set);
         let hit = push(e.contact_point().to_array(), e.contact_displacement().to_array());
         let outcome = instance.submit(&hit).unwrap();
-        let chosen = outcome.chosen[0].unwrap();
-        assert_eq!((chosen.example as usize, chosen.share, chosen.scale, chosen.anchored), (i, 1.0, 1.0, true));
-        assert_eq!(outcome.chosen[1], None);
-        assert_eq!(outcome.shortfall(), [0.0; 3]);
+        assert!(length3(outcome.shortfall()) <= 1e-3 * e.depth(), "{outcome:?}");
         let out = Output::fresh(&mut instance);
         for v in 0..set.vertex_count() {
             let ought = (set.mesh().positions()[v] + e.delta(v as u32)).to_array();
@@ -1243,7 +1181,8 @@ fn quick_a_hit_at_an_examples_own_contact_is_the_example() {
 #[test]
 fn a_hit_at_an_examples_own_contact_is_the_example_on_solver_bodies() {
     for body in ["panel", "tube"] {
-        check_own_contacts(&scenes::solver_set(body, 32, Placement::Automatic));
+        let (mesh, examples) = scenes::solver(body);
+        check_own_contacts(&scenes::build(mesh, examples, scenes::every_node(SetOptions::default())));
     }
 }
 

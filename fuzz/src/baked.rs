@@ -55,7 +55,7 @@ pub fn load_and_use(file: Vec<u8>) -> bool {
         }
     }
     for e in set.examples() {
-        let _ = (e.delta(n as u32 - 1), e.normal_delta(0), e.frame(), e.stamp().map(|s| s.nodes().len()));
+        let _ = (e.delta(n as u32 - 1), e.normal_delta(0));
     }
     let again = set.save().expect("a small set");
     let twice = ExampleSet::load(again.clone(), &Serial).expect("what was saved").save().expect("a small set");

@@ -4,11 +4,14 @@ use std::sync::Arc;
 
 use arbitrary::Unstructured;
 use crumple::{
-    Contact, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, Mark, MeshData, Placement, Serial,
+    BasisOptions, Contact, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, Mark, MeshData, Serial,
     SetOptions,
 };
 
 use crate::seeds;
+
+/// A node at every position, so that vertices are where marks say, up to rounding.
+pub const EVERY_NODE: BasisOptions = BasisOptions { tolerance: 1e9, rounds: 0, nodes: usize::MAX };
 
 /// A number from `low` to `high`.
 fn between(bytes: &mut Unstructured<'_>, low: f32, high: f32) -> arbitrary::Result<f32> {
@@ -46,7 +49,6 @@ fn example(bytes: &mut Unstructured<'_>, mesh: &MeshData, unit: f32) -> arbitrar
         field.push(push.map(|x| x * w * w));
     }
     let mut example = ExampleData::new("dent", Deltas::Full(field));
-    example.placement = [Placement::Automatic, Placement::Anchored, Placement::Carried][bytes.choose_index(3)?];
     example.contact = bytes.ratio(1, 2)?.then_some(Contact::Vertex(contact as u32));
     Ok(example)
 }
@@ -61,7 +63,7 @@ fn body(bytes: &mut Unstructured<'_>) -> arbitrary::Result<Option<(Instance, f32
         mirror: bytes.arbitrary()?,
         held_rims: bytes.arbitrary()?,
         whole_examples: true,
-        stamp_resolution: bytes.int_in_range(4..=24)?,
+        basis: bytes.ratio(1, 2)?.then_some(EVERY_NODE),
         tolerance: if bytes.arbitrary()? { Some(unit * [1e-6, 1e-4, 1e-2][bytes.choose_index(3)?]) } else { None },
         depth_limit: if bytes.arbitrary()? { Some(unit * between(bytes, 0.001, 0.5)?) } else { None },
         ..SetOptions::default()

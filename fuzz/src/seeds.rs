@@ -5,8 +5,7 @@ use std::sync::{Arc, OnceLock};
 
 use crumple::import::Imported;
 use crumple::{
-    Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData, Placement, Rule, Serial, SetOptions,
-    VertexMass,
+    Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData, Rule, Serial, SetOptions, VertexMass,
 };
 
 /// Names of files and their bytes.
@@ -71,28 +70,21 @@ pub fn dents(mesh: &MeshData, count: u32) -> Vec<ExampleData> {
     (0..count).map(dent).collect()
 }
 
-/// Options with small stamps, so that building a set takes little time.
-pub fn small() -> SetOptions {
-    SetOptions { stamp_resolution: 4, ..SetOptions::default() }
-}
-
 /// Baked sets with each optional part, and without any.
 pub fn baked() -> Seeds {
-    let baked = SetOptions { tolerance: Some(1e-3), ..small() };
+    let baked = SetOptions { tolerance: Some(1e-3), ..SetOptions::default() };
     let mesh = sheet(12);
     let points = MeshData { positions: mesh.positions.clone(), ..MeshData::default() };
-    let mut placed = dents(&mesh, 4);
-    placed[0].placement = Placement::Anchored;
-    placed[1].placement = Placement::Carried;
-    placed[2].positions = Deltas::Sparse { indices: vec![], values: vec![] };
+    let mut one_empty = dents(&mesh, 4);
+    one_empty[2].positions = Deltas::Sparse { indices: vec![], values: vec![] };
     let masses = vec![2.0; mesh.positions.len()];
     let tangents = MeshData { tangents: Some(vec![[1.0, 0.0, 0.0, 1.0]; mesh.positions.len()]), ..mesh.clone() };
     let sets = [
-        (mesh.clone(), dents(&mesh, 2), small()),
+        (mesh.clone(), dents(&mesh, 2), SetOptions::default()),
         (mesh.clone(), dents(&mesh, 2), baked.clone()),
-        (tangents, placed, SetOptions { mass: VertexMass::PerVertex(masses), ..baked }),
-        (points.clone(), dents(&points, 1), small()),
-        (sheet(2), dents(&sheet(2), 1), SetOptions { mirror: false, tolerance: Some(1e-7), ..small() }),
+        (tangents, one_empty, SetOptions { mass: VertexMass::PerVertex(masses), ..baked }),
+        (points.clone(), dents(&points, 1), SetOptions::default()),
+        (sheet(2), dents(&sheet(2), 1), SetOptions { mirror: false, tolerance: Some(1e-7), ..SetOptions::default() }),
     ];
     let file = |(i, (mesh, examples, options))| {
         let set = ExampleSet::build(mesh, examples, options, &Serial).expect("a seed");
@@ -106,7 +98,7 @@ pub fn dented() -> [Instance; 3] {
     static SET: OnceLock<Arc<ExampleSet>> = OnceLock::new();
     let set = SET.get_or_init(|| {
         let mesh = sheet(6);
-        Arc::new(ExampleSet::build(mesh.clone(), dents(&mesh, 4), small(), &Serial).expect("a seed"))
+        Arc::new(ExampleSet::build(mesh.clone(), dents(&mesh, 4), SetOptions::default(), &Serial).expect("a seed"))
     });
     let few = InstanceOptions { capacity: 4, ..InstanceOptions::default() };
     [InstanceOptions::default(), few, InstanceOptions::classic(Rule::MostDisplaced)].map(|options| {
@@ -122,13 +114,7 @@ pub fn dented() -> [Instance; 3] {
 pub fn damage() -> Seeds {
     let mut bodies = dented();
     bodies[0].submit(&Hit::displacement([0.5, 0.5, 0.0], [0.0, 0.01, -0.04])).expect("a hit on the sheet");
-    // Of version 1, which has no checksum that every change would break.
-    let first = |mut bytes: Vec<u8>| {
-        bytes[4] = 1;
-        bytes.truncate(bytes.len() - 8);
-        bytes
-    };
-    let each = [0, 1, 2].map(|at| (at as u8, first(bodies[at].save())));
+    let each = [0, 1, 2].map(|at| (at as u8, bodies[at].save()));
     let all = (3, crumple::save_all(&mut bodies));
     let file = |(i, (kind, bytes)): (usize, (u8, Vec<u8>))| (format!("damage{i}"), [&[kind][..], &bytes].concat());
     each.into_iter().chain([all]).enumerate().map(file).collect()
@@ -172,7 +158,7 @@ pub fn glb(parts: &[u8]) -> Vec<u8> {
 
 /// Builds a set from what was imported, hits it and deforms it.
 pub fn build_and_use(imported: Imported) {
-    if let Ok(set) = ExampleSet::build(imported.mesh, imported.examples, small(), &Serial) {
+    if let Ok(set) = ExampleSet::build(imported.mesh, imported.examples, SetOptions::default(), &Serial) {
         crate::baked::load_and_use(set.save().expect("a small set"));
     }
 }

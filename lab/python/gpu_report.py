@@ -36,7 +36,7 @@ def three(x):
 
 def reached(row):
     value = f"{three(row['value'])} {row['unit']}" if row["aim"].endswith(row["unit"]) else f"{row['ratio']:.2g} x"
-    kind = f"{row['method']} " if row["workload"] in ("record", "impulses") else ""
+    kind = f"{row['method']} " if row["workload"] == "impulses" else ""
     return kind + value + {"yes": ", **met**", "no": ", **missed**", "shown": ", shown"}[row["met"]]
 
 
@@ -77,12 +77,11 @@ def groups(t):
 
 def marks(t):
     lines = []
-    for workload, method, name in [("impulses", "fresh", "anchored impulses, fresh body"), ("carried", "marks", "carried marks"), ("carried", "marks of three", "carried marks of three examples"), ("carried", "with normals", "carried marks, with normals")]:
-        for r in sorted(t.where(workload=workload, method=method), key=lambda r: (r["case"], r["vertices"])):
-            lines.append([f"{r['case']:g} {name}", short(r["vertices"]), time(r), milliseconds(r["reference_value"]), times(r)])
+    for r in sorted(t.where(workload="impulses", method="fresh"), key=lambda r: (r["case"], r["vertices"])):
+        lines.append([f"{r['case']:g}, fresh body", short(r["vertices"]), time(r), milliseconds(r["reference_value"]), times(r)])
     for r in t.where(workload="impulses", method="repeated", case=10):
-        lines.append(["10 impulses that repeat a body's ten marks; one of them", short(r["vertices"]), time(r), milliseconds(r["reference_value"]), f"{1 / r['ratio']:.2g}"])
-    return table(["", "vertices", "time", "against", "times as fast"], lines)
+        lines.append(["10 that repeat a body's ten marks; one of them", short(r["vertices"]), time(r), milliseconds(r["reference_value"]), f"{1 / r['ratio']:.2g}"])
+    return table(["impulses", "vertices", "time", "against", "times as fast"], lines)
 
 
 def instances(t):
@@ -94,9 +93,9 @@ def recording(t):
     us = lambda r: "–" if r is None else f"{three(r['value'])} / {three(r['p90'])}"
     one = lambda m, c: t.one(workload="record", method=m, case=c)
     counts = sorted({r["case"] for r in t.where(workload="record") if r["case"] is not None})
-    lines = [[f"{c:g}", *(us(one(m, c)) for m in ("anchored", "carried", "anchored idle", "carried idle"))] for c in counts]
+    lines = [[f"{c:g}", *(us(one(m, c)) for m in ("changed", "idle"))] for c in counts]
     by_hand = t.one(workload="record", method="by hand")
-    text = table(["instances", "an anchored mark each", "a carried mark each", "anchored, nothing changed", "carried, nothing changed"], lines)
+    text = table(["instances", "a mark of each changed", "nothing changed"], lines)
     return text + (f"\nThe same commands by hand (a copy, two barriers, a dispatch): {us(by_hand)} µs.\n" if by_hand else "")
 
 
@@ -148,7 +147,7 @@ bandwidth" is that of its copying loop. The other aims are judged on every devic
 ## Time against moved vertices
 
 {picture(directory, "gpu_vertices", "Time and share of a copy's bandwidth against moved vertices")}
-One anchored example in 16 bits moves every vertex of a sheet. "GB/s" counts the bytes that must move: base position and result, 12 bytes each, 6 of the
+One example in 16 bits moves every vertex of a sheet. "GB/s" counts the bytes that must move: base position and result, 12 bytes each, 6 of the
 example, and a few per block. For the classic kernel these are 52 bytes (an entry of 16, base 12, state 12 read and 12 written). Each copy
 reads and writes the same number of bytes. The classic kernel starts from the body at rest, so that it writes every vertex. The
 library's classic rule keeps its own state beside the engine's buffer.
@@ -158,9 +157,9 @@ library's classic rule keeps its own state beside the engine's buffer.
 
 {picture(directory, "gpu_groups", "Time a vertex against the size of workgroups")}
 {each(found, groups)}
-## Impulses and carried marks
+## Impulses
 
-{picture(directory, "gpu_marks", "Speed of impulses and carried marks against the classic kernel")}
+{picture(directory, "gpu_marks", "Speed of impulses against the classic kernel")}
 {each(found, marks)}
 ## Many instances
 
@@ -202,7 +201,7 @@ def compiled(directory):
 
 Mesa's RADV compiles for AMD chips that are not there (`cargo xtask bench --gpu --only compiled`; {rows[0]["driver"]}). Each cell has
 instructions / vector registers / subgroups that fit on a SIMD / inverse throughput, in which the compiler assumes how often loops run.
-"marks" is the kernel for frames with carried examples, "anchored" for frames without. ([CSV](compiled.csv))
+"nodes" is for vertices that follow nodes ([model](../model.md#nodes)), whatever the number of marks. ([CSV](compiled.csv))
 
 {table(["kernel", *chips], lines)}
 """

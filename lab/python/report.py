@@ -7,7 +7,6 @@ from style import BODIES, EVERY_BODY, TRUTHS, read
 
 HERE = Path(__file__).parent
 FULL = 24
-K = 3
 SCENES = [(t, b) for t in TRUTHS for b in BODIES]
 
 
@@ -187,7 +186,7 @@ def engine(directory):
     return f"""### A real engine's contacts, end to end
 
 Each hit that no set knows runs again in a physics engine ({engines}), body fixed, striker with continuous collision detection. The body is the truth's
-mesh, and its set has learned. The engine's contact points go through the contact layer with its defaults, and what it makes of them is all
+mesh. The engine's contact points go through the contact layer with its defaults, and what it makes of them is all
 that Crumple is told. The striker is the truth's ball, or a box of the same mass with half the ball's radius as half its edge, which lands flat: a manifold of
 up to four points. The ball's radius is known, and the box's is not. Hits by poles are left out. {missed:.0f} of {sum(r["n"] for r in t.rows):.0f} throws left
 nothing. "Rates apart" is the deepest of a hit's dents at the three rates over the shallowest, median / 90th percentile.
@@ -216,53 +215,47 @@ LEARNING = [
 ]
 
 
-def learning_rows(directory, counts, methods):
-    """One row a body: what each method makes of a blow, with each number of examples."""
-    t = read(directory, "learn.csv")
-    lines = []
-    for truth, body, name in LEARNING:
-        most = max(r["examples"] for r in t.where(truth=truth, body=body))
-        of = lambda method, n: t.one(truth=truth, body=body, told="blow", method=method, examples=n)
-        cells = [pair(of(method, n)) for n in counts for method in methods]
-        last = [pair(of(method, most)) for method in methods]
-        lines.append([name, *cells, *(f"{c} ({most:.0f})" for c in last)])
-    return lines
-
-
 def learning(directory):
     """Error against the number of examples, up to hundreds."""
     t = read(directory, "learn.csv")
     if t is None:
         return ""
-    methods = ("learned", "crumple", "radial", "classic")
-    rows = lambda n: [[name, *(pair(t.one(truth=truth, body=body, told="blow", method=m, examples=n)) for m in methods)] for truth, body, name in LEARNING]
-    told = [[name, *(pair(t.one(truth=truth, body=body, told="displacement", method=m, examples=max(r["examples"] for r in t.where(truth=truth, body=body)))) for m in methods)] for truth, body, name in LEARNING]
-    names = ["impacts", "a set that has learned", "the nearest examples", "radial profile", "classic"]
-    learned = [r for r in t.where(method="learned") if r["examples"] >= 24]
-    span = lambda key, show: f"{show(min(r[key] for r in learned))} to {show(max(r[key] for r in learned))}"
+    methods = ("crumple", "radial", "classic")
+    most = lambda truth, body: max(r["examples"] for r in t.where(truth=truth, body=body))
+
+    def rows(told, count=None):
+        lines = []
+        for truth, body, name in LEARNING:
+            n = count or most(truth, body)
+            of = lambda m: t.one(truth=truth, body=body, told=told, method=m, examples=n)
+            lines.append([name, f"{n:.0f}", *(pair(of(m)) for m in methods)])
+        return [line for line in lines if line[2] != "–"]
+
+    names = ["impacts", "examples", "Crumple", "radial profile", "classic"]
+    ours = [r for r in t.where(method="crumple") if r["examples"] >= 24]
+    span = lambda key, show: f"{show(min(r[key] for r in ours))} to {show(max(r[key] for r in ours))}"
     return f"""### More examples
 
-{picture(directory, "learn", "Error against the number of examples, from 4 to 356, told the blow, on seven bodies: a set that has learned, the nearest examples, a radial profile and the classic rule")}
-A set that [has learned](../model.md#prediction-from-all-examples) (`crumple bake`) predicts hits from all of its examples at once, where that is better than mixing the
-nearest ones; with few examples it mostly is not, and the columns agree. Both are whole sets: hits are submitted, and all vertices compared. Examples and hits tell the
-striker's shape. From {24} examples on, a hit takes {span("us_per_hit", duration)} to the displacements of the nodes the first time, on one thread of a busy
-machine, and learning {span("learn_s", number)} s. Told the blow with all training examples of each body (how many in brackets):
+{picture(directory, "learn", "Error against the number of examples, from 4 to 356, told the blow, on seven bodies: Crumple, a radial profile and the classic rule")}
+A set [learns](../model.md#prediction-from-all-examples) from its examples when it is made. Examples and hits tell the striker's shape. The
+classic rule and the radial profile get the displacement from the power law of section 1. From {24} examples on, a hit takes {span("us_per_hit", duration)} to the displacements of the nodes the first time, on one thread of a busy
+machine, and making a set {span("build_s", number)} s. Told the blow, with all training examples of each body:
 
-{table(["impacts", "a set that has learned", "the nearest examples"], learning_rows(directory, (), ("learned", "crumple")))}
+{table(names, rows("blow"))}
 With 24 examples:
 
-{table(names, rows(24))}
+{table(names, rows("blow", 24))}
 With 100:
 
-{table(names, [r for r in rows(100) if r[1] != "–"])}
+{table(names, rows("blow", 100))}
 Told the displacement, with all of them:
 
-{table(names, told)}
+{table(names, rows("displacement"))}
 """
 
 
 def readme_table(directory):
-    """What sets that have learned know, for the front page."""
+    """Error against the number of examples, for the front page."""
     t = read(directory, "learn.csv")
     path = HERE.parents[1] / "README.md"
     if t is None or directory.resolve() != HERE.parents[1] / "docs/lab":
@@ -271,9 +264,9 @@ def readme_table(directory):
     for truth, body, name in LEARNING:
         most = max(r["examples"] for r in t.where(truth=truth, body=body))
         of = lambda method, n, told="blow": t.one(truth=truth, body=body, told=told, method=method, examples=n)
-        counts = [pair(of("learned", n)) for n in (8, 24, 100)]
+        counts = [pair(of("crumple", n)) for n in (8, 24, 100)]
         peers = [number(of(method, most)["rel_l2_median"]) for method in ("radial", "classic")]
-        lines.append([name, *counts, f"{pair(of('learned', most))} ({most:.0f})", pair(of("learned", most, "displacement")), *peers])
+        lines.append([name, *counts, f"{pair(of('crumple', most))} ({most:.0f})", pair(of("crumple", most, "displacement")), *peers])
     made = table(["told the blow", "8 examples", "24", "100", "all (how many)", "told the displacement", "radial profile", "classic"], lines)
     begin, end = "<!-- from docs/lab/learn.csv -->\n", "<!-- end of docs/lab/learn.csv -->"
     before, rest = path.read_text().split(begin, 1)
@@ -284,7 +277,6 @@ def accuracy(directory):
     t = read(directory, "accuracy.csv")
     if t is None:
         return ""
-    stamp = t.one(method="defaults")["stamp"]
 
     def line(name, **wanted):
         found = [t.one(truth=truth, body=body, **wanted) for truth, body in SCENES]
@@ -294,50 +286,45 @@ def accuracy(directory):
         span = lambda values, show: "–" if not values else show(min(values)) if show(min(values)) == show(max(values)) else f"{show(min(values))} to {show(max(values))}"
         return [name, *map(pair, found), span(times, duration), span(sizes, size)]
 
-    ours = dict(method="automatic", stamp=stamp)
     rows = [line("no dent at all", method="none")]
     rows += [line(f"the classic rule, as is, {FULL} examples", method="classic", examples=FULL)]
     rows += [line(f"the same, weight clamped, {FULL}", method="classic_clamped", examples=FULL)]
     rows += [line("one radial profile, no examples", method="radial")]
-    rows += [line(f"Crumple, anchored only, {FULL}", method="anchored", examples=FULL)]
-    rows += [line(f"Crumple, K = {K}, {n} examples", examples=n, k=K, **ours) for n in (4, 8, 16, FULL, 32)]
-    rows += [line(f"Crumple, K = {k}, {FULL} examples", examples=FULL, k=k, **ours) for k in (1, 2, 4)]
-    rows += [line(f"Crumple, K = {K}, {FULL}, baked to {name[:-2]} mm", method=f"baked_{name}", examples=FULL, k=K) for name in ("0.01mm", "0.1mm", "1mm")]
-    rows += [line(f"Crumple, carried only, K = {K}, {FULL}", examples=FULL, k=K, method="carried", stamp=stamp)]
-    rows += [line(f"Crumple, K = {K}, {n}, told the depth alone", method="depth_only", examples=n, k=K) for n in (4, FULL)]
-    rows += [line(f"Crumple, all defaults, {n}", examples=n, k=K, method="defaults") for n in (4, FULL)]
+    rows += [line(f"Crumple, {n} examples", method="crumple", examples=n) for n in (4, 8, 16, FULL, 32)]
+    rows += [line(f"Crumple, {FULL}, baked to {name[:-2]} mm", method=f"baked_{name}", examples=FULL) for name in ("0.01mm", "0.1mm", "1mm")]
+    rows += [line(f"Crumple, {n}, told the depth alone", method="depth_only", examples=n) for n in (4, FULL)]
+    rows += [line(f"Crumple, all defaults, {n}", method="defaults", examples=n) for n in (4, FULL)]
     rows += [[c.split(" / ")[0] for c in line("the truth's own noise", method="floor")]]
     rows = [r for r in rows if any(c != "–" for c in r[1:])]
     n = {s: t.one(truth=s[0], body=s[1], method="none") for s in SCENES}
     held = "; ".join(f"{a} {b} {r['n']:.0f} impacts of {r['simulations']:.0f} simulations" for (a, b), r in n.items())
-    radial = [(s, t.one(truth=s[0], body=s[1], method="radial")["rel_l2_median"], t.one(truth=s[0], body=s[1], examples=4, k=K, **ours)["rel_l2_median"]) for s in SCENES]
-    near = [f"{s[1]} of the {s[0]}" for s, without, four in radial if without < 1.1 * four]
+    error = lambda s, **wanted: (t.one(truth=s[0], body=s[1], **wanted) or {"rel_l2_median": float("inf")})["rel_l2_median"]
+    near = [f"{b} of the {a}" for a, b in SCENES if error((a, b), method="radial") < 1.1 * error((a, b), method="crumple", examples=4) < float("inf")]
     loses = f" Four examples are no better than the profile without any on the {' and the '.join(near)}." if near else ""
     text = f"""## 2. Told the displacement: configurations on the smooth bodies
 
 The error is the relative L2 of the displacement field over all vertices, against impacts that no example shows ({held}). A
 method receives the contact point and the displacement that stays there, nothing else. The cost is that of one thread from the contact to
-the written positions: selection, placing, and every vertex touched. Errors are median / 90th percentile. Cost and memory span
+the written positions: prediction, and every vertex touched. Errors are median / 90th percentile. Cost and memory span
 the four bodies:
 
 {table(["method", *heads(), "time an impact", "memory"], rows)}
-- The time is for positions only; with normals it is {number(ratio(t, stamp), 1)} times as long.
+- The time is for positions only; with normals it is {number(ratio(t), 1)} times as long.
 - The classic rule is the cheapest that uses examples. It puts the dent where the example was made, not where the body
   was hit. Without the clamp its weight grows without limit where an example barely moves the contact.
 - The radial profile is cheaper still and needs next to no memory.{loses} It cannot know that a drum dents along its axis.
 - "Told the depth alone" has the same hits reported along the normal, without the tangential part of the displacement, which an engine's impulse
   does not contain. The difference is the value of a dent's lean; every other row of Crumple has it.
-- "Crumple, K = 3" has no depth limit. With all defaults the deepest example limits dents, which costs accuracy where
+- "Crumple" has no depth limit here. With all defaults no dent is deeper than 4/3 of the deepest example, which costs accuracy where
   the examples are few and shallow. Presses that leave under 5 mm are left out, because there is no dent to predict.
 
-{picture(directory, "accuracy_stamps", "Error against the size of the stamps")}
 {picture(directory, "accuracy_impacts", "Error of every held-out impact")}
 """
     return text + peers(directory) + own_text("accuracy")
 
 
-def ratio(t, stamp):
-    rows = [r for r in t.where(method="automatic", examples=FULL, k=K, stamp=stamp) if r["us_with_normals"]]
+def ratio(t):
+    rows = [r for r in t.where(method="crumple", examples=FULL) if r["us_with_normals"]]
     factors = sorted(r["us_with_normals"] / r["us_per_impact"] for r in rows)
     return factors[len(factors) // 2] if factors else None
 

@@ -130,7 +130,8 @@ impl Model {
         let (coats, coat_of) = coats(&bytes, &imported.primitives, imported.mesh.positions.len());
         let paint = imported.primitives.iter().find(|range| range.material.as_deref() == Some("paint"));
         let paint = coat_of[paint.context("the car has no paint")?.first_vertex as usize] as usize;
-        let mut set = ExampleSet::build(imported.mesh, imported.examples, SetOptions::default(), pool)?;
+        let options = SetOptions { basis: Some(BasisOptions::new(TOLERANCE)), ..SetOptions::default() };
+        let mut set = ExampleSet::build(imported.mesh, imported.examples, options, pool)?;
         let (mut bumper, mut glass) = (None, Vec::new());
         for (i, (part, mesh)) in parts.iter().zip(meshes).enumerate() {
             if part.kind == PartKind::Glass {
@@ -139,8 +140,6 @@ impl Model {
                 bumper = Some((set.add_lod(mesh, pool)?, i));
             }
         }
-        set.learn_basis(&BasisOptions::new(TOLERANCE), pool)?;
-        set.learn_rule(pool)?;
         let wheel = |(part, of): (usize, &Part)| -> Result<Wheel> {
             let Aabb { min, max } = Aabb::of(&set.mesh().positions()[of.vertices()]);
             let centre = (min + max) * 0.5;

@@ -49,17 +49,8 @@ struct Scene {
 }
 
 pub fn run(options: &Options) -> Result<()> {
-    let columns = [
-        "body",
-        "test",
-        "rule",
-        "hits",
-        "seam",
-        "kept_mean",
-        "kept_worst",
-        "deepest_over_example",
-        "inverted_triangles",
-    ];
+    let columns =
+        ["body", "test", "rule", "hits", "seam", "kept_mean", "kept_worst", "deepest_over_limit", "inverted_triangles"];
     let mut table = Table::new(&columns);
     table.comment("what", format!("{HITS} random hits on the demo's bodies, one sequence"));
     table.comment("seam", "largest edge jump over the largest in any example");

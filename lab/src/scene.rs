@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use anyhow::Result;
 use crumple::{
-    BasisOptions, Blow, Contact, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData, Placement,
-    Serial, SetOptions, Striker, StrikerShape, Tracker, VertexMemory,
+    BasisOptions, Blow, Contact, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData, Serial,
+    SetOptions, Striker, StrikerShape, Tracker, VertexMemory,
 };
 
 use crate::truth::{self, Body, Field, Impact};
 
-/// Of the nodes that vertices follow, m.
+/// Of the vertices that follow nodes, m.
 const TOLERANCE: f32 = 5e-4;
 
 pub fn mesh(body: &Body) -> MeshData {
@@ -24,14 +24,13 @@ pub fn mesh(body: &Body) -> MeshData {
 }
 
 /// The first `count` training impacts as examples.
-pub fn examples(body: &Body, count: usize, placement: Placement) -> Vec<ExampleData> {
-    body.train.iter().take(count).map(|i| example(i, placement)).collect()
+pub fn examples(body: &Body, count: usize) -> Vec<ExampleData> {
+    body.train.iter().take(count).map(example).collect()
 }
 
-pub fn example(impact: &Impact, placement: Placement) -> ExampleData {
+pub fn example(impact: &Impact) -> ExampleData {
     ExampleData {
         contact: Some(Contact::Vertex(impact.contact_vertex)),
-        placement,
         blow: impact.blow.as_ref().map(blow).unwrap_or_default(),
         ..ExampleData::new(impact.source.clone(), Deltas::Full(impact.field.clone()))
     }
@@ -49,16 +48,14 @@ pub fn blow(known: &truth::Blow) -> Blow {
 }
 
 /// A set of the first `count` training impacts.
-pub fn set(body: &Body, count: usize, placement: Placement, options: SetOptions) -> Result<Arc<ExampleSet>> {
-    Ok(Arc::new(ExampleSet::build(mesh(body), examples(body, count, placement), options, &Serial)?))
+pub fn set(body: &Body, count: usize, options: SetOptions) -> Result<Arc<ExampleSet>> {
+    Ok(Arc::new(ExampleSet::build(mesh(body), examples(body, count), options, &Serial)?))
 }
 
-/// A set of the first `count` training impacts whose vertices follow nodes, so that it can learn from all of its examples.
-pub fn with_nodes(body: &Body, count: usize) -> Result<ExampleSet> {
-    let examples = examples(body, count, Placement::Automatic);
-    let mut set = ExampleSet::build(mesh(body), examples, SetOptions::default(), &Serial)?;
-    set.learn_basis(&BasisOptions::new(TOLERANCE), &Serial)?;
-    Ok(set)
+/// A set whose vertices follow as many nodes as they need to be near the examples.
+pub fn with_nodes(body: &Body, count: usize) -> Result<Arc<ExampleSet>> {
+    let basis = Some(BasisOptions::new(TOLERANCE));
+    set(body, count, SetOptions { basis, ..SetOptions::default() })
 }
 
 /// What an engine would report: the contact point and the displacement wanted there.

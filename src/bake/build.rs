@@ -1,21 +1,17 @@
 //! Builds an example set from plain arrays.
 
-use super::learn::learn;
 use crate::base::error::Error;
 use crate::base::error::reserve;
-use crate::base::math::{rotation_between, tangent_basis, unit};
+use crate::base::math::{rotation_between, unit};
 use crate::base::tasks::TaskSystem;
 use crate::base::tasks::map;
 use crate::example::blocks::{DeltaBlocks, Steps};
 use crate::example::blow::Blow;
-use crate::example::candidates::reach;
-use crate::example::data::{Contact, Deltas, ExampleData, Placement};
+use crate::example::data::{Contact, Deltas, ExampleData};
 use crate::example::example::Example;
-use crate::example::learned::Learned;
 use crate::example::mesh_lod::MeshLod;
 use crate::example::options::{SetOptions, check_options};
 use crate::example::set::{ExampleSet, Parts, deepest};
-use crate::example::stamp::{Source, Stamp};
 use crate::mesh::data::MeshData;
 use crate::mesh::field::{Field, zeros};
 use crate::mesh::mirror::{self, Mirror};
@@ -90,7 +86,6 @@ impl ExampleSet {
         let rim = if options.held_rims { Rim::find(&mesh, &moves, tasks) } else { Rim::default() };
         let mut set = Self::assemble(Parts {
             fingerprint: fingerprint(&mesh, &ready, &options),
-            learned: Learned::nothing(ready.len()),
             base: MeshLod::new(mesh, rim, ready.iter().filter_map(|e| e.whole.clone()).collect()),
             lods: Vec::new(),
             examples: ready,
@@ -101,8 +96,7 @@ impl ExampleSet {
             widest_weld,
             source_order: None,
         });
-        set.set_learned(learn(&set, tasks));
-        set.first_basis(tasks)?;
+        set.learn(tasks)?;
         Ok(set)
     }
 }
@@ -131,17 +125,13 @@ fn fingerprint(mesh: &Mesh, examples: &[Example], options: &SetOptions) -> u64 {
         vec(e.contact_point);
         vec(e.contact_normal.unwrap_or(Vec3::ZERO));
         vec(e.contact_delta);
-        vec(Vec3::splat(e.placement as u8 as f32));
         e.whole.iter().flat_map(|whole| whole.iter()).for_each(|(v, d, _)| {
             vec(Vec3::new(f32::from_bits(v), 0.0, 0.0));
             vec(d);
         });
     }
     h.write(bytemuck::cast_slice(&numbers));
-    // 1 and 0 were options in 0.1: sets keep their fingerprints.
-    h.write(&[1, 0, options.stamp_resolution as u8]);
     h.write(&[u8::from(options.mirror), u8::from(options.held_rims)]);
-    // Nothing where there are none, so that sets without limits keep their fingerprints.
     mesh.limits().parts().iter().for_each(|halves| h.write(bytemuck::cast_slice(halves)));
     h.finish()
 }
@@ -204,50 +194,26 @@ impl ExampleBuilder<'_> {
             };
         let blow = Blow { normal: data.blow.normal.or(data.contact_normal), ..data.blow };
         let blow = blow.checked(|part| format!("blow.{part} of example {i} '{}'", data.name))?;
-        // Carrying needs a normal at every vertex that may be hit.
-        let can_carry = self.mesh.normals().is_some();
-        if data.placement == Placement::Carried && !can_carry {
-            return Err(mismatch(
-                "it is to be carried, but the mesh has neither normals nor triangles; give either".into(),
-            ));
-        }
-        let placement = if can_carry { data.placement } else { Placement::Anchored };
         let support = given.moved().filter(|(_, d)| d.length() >= SUPPORT * deepest);
         let support_radius =
             support.map(|(v, _)| (self.mesh.positions()[v] - contact_point).length()).fold(0.0, f32::max);
-        let stamp = (placement != Placement::Anchored && moved > 0).then(|| {
-            let source = Source {
-                positions: self.mesh.positions(),
-                index: self.index,
-                deltas: &given,
-                frame: tangent_basis(contact_normal.unwrap_or(Vec3::Z)),
-                contact: contact_point,
-                max_depth: deepest,
-                support_radius,
-            };
-            Stamp::build(&source, self.options.stamp_resolution, self.options.tolerance)
-        });
         let mut blocks = [deltas.blocks(), normals.as_ref().map_or(&[], Field::blocks)].concat();
         blocks.sort_unstable();
         blocks.dedup();
         let whole = DeltaBlocks::of_blocks(blocks, &deltas, normals.as_deref(), self.steps);
         let example = Example {
             name: data.name.clone(),
-            placement,
             contact_vertex,
             contact_point,
             contact_normal,
             contact_delta,
             blow,
             depth,
-            log_depth: libm::logf(depth),
             max_depth,
             support_radius,
             moved,
-            reach: reach(self.mesh, contact_point, depth, &whole),
             whole: Some(Arc::new(whole)),
             followed: None,
-            stamp,
         };
         let moves = if self.options.held_rims { rim::moves(&given) } else { Vec::new() };
         Ok(Built { example, moves, welded, widest_weld, deepest })

@@ -2,6 +2,5 @@
 
 pub(crate) mod basis;
 pub(crate) mod build;
-pub(crate) mod learn;
 pub(crate) mod lod;
 pub(crate) mod reorder;

@@ -13,12 +13,6 @@ impl<T: Copy + Default, const N: usize> ArrayVec<T, N> {
         ArrayVec { items: [T::default(); N], len: 0 }
     }
 
-    /// Appends an element. Panics if the list is full.
-    pub(crate) fn push(&mut self, item: T) {
-        self.items[self.len] = item;
-        self.len += 1;
-    }
-
     /// Inserts an element at `at`. If the list was full, its last element is dropped.
     pub(crate) fn insert(&mut self, at: usize, item: T) {
         if at < N {
@@ -29,10 +23,6 @@ impl<T: Copy + Default, const N: usize> ArrayVec<T, N> {
             }
             self.items[at] = item;
         }
-    }
-
-    pub(crate) fn clear(&mut self) {
-        self.len = 0;
     }
 }
 

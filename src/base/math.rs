@@ -109,17 +109,6 @@ pub(crate) fn turned_as(a: Vec3, b: Vec3, t: Vec3) -> Vec3 {
     v + w + c.cross(w) * (1.0 / (1.0 + from.dot(b)))
 }
 
-/// Two unit vectors are nearly opposite if one plus their cosine is below this.
-pub(crate) const OPPOSITE: f32 = 1e-2;
-
-/// Rotates `v` by the smallest rotation from unit vector `a` to unit vector `b`. `v` must be perpendicular to `a`.
-#[inline]
-pub(crate) fn turn_tangent(v: Vec3, a: Vec3, b: Vec3) -> Vec3 {
-    // The quotient loses all precision for nearly opposite vectors.
-    let k = 1.0 + a.dot(b);
-    if k < OPPOSITE { rotation_between(a, b) * v } else { v - (a + b) * (v.dot(b) / k) }
-}
-
 /// A right-handed orthonormal frame whose z axis is the unit vector `n`
 /// (Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 2017).
 pub(crate) fn tangent_basis(n: Vec3) -> Mat3 {
@@ -294,19 +283,6 @@ mod tests {
             let b = tangent_basis(n);
             assert_eq!(b.z_axis, n);
             assert!((b.determinant() - 1.0).abs() < 1e-5);
-        }
-    }
-
-    #[test]
-    fn turn_tangent_is_the_smallest_rotation() {
-        for (a, b) in [
-            (Vec3::Z, Vec3::X),
-            (Vec3::new(0.3, -0.5, 0.8), Vec3::new(-0.2, 0.9, 0.1)),
-            (Vec3::Y, Vec3::new(0.05, -1.0, 0.0)),
-        ] {
-            let (a, b) = (unit(a).unwrap(), unit(b).unwrap());
-            let v = tangent_basis(a).x_axis * 0.3 + tangent_basis(a).y_axis * 0.1;
-            assert!((turn_tangent(v, a, b) - rotation_between(a, b) * v).length() < 1e-5);
         }
     }
 

@@ -11,8 +11,9 @@ use super::store::State;
 use super::tasks::Quiet;
 use super::types::{CrumpleExampleSet, CrumpleStriker, CrumpleVec3};
 use crate::base::error::reserve;
+use crate::basis::learn::BasisOptions;
 use crate::example::blow::Blow;
-use crate::example::data::{Contact, Deltas, ExampleData, Placement};
+use crate::example::data::{Contact, Deltas, ExampleData};
 use crate::example::options::{SetOptions, VertexMass};
 use crate::example::set::ExampleSet;
 use crate::mesh::data::MeshData;
@@ -56,21 +57,20 @@ pub struct CrumpleExampleSetOptions {
     /// Mass of every vertex, kg, for impulses without a mass. It is a calibration constant in impulse * duration /
     /// mass, not the body's mass. Default 0: unknown.
     pub vertex_mass: f32,
-    /// Nodes along each side of the grid that stores a carried example: 4 to 128. Default 32; sharp creases need more.
-    /// If bake_tolerance is above 0, this is the maximum.
-    pub stamp_resolution: u32,
+    /// How far a vertex may be from where dents would put it, m: vertices follow a few of them, and more are added to these where
+    /// vertices are wrong. Less takes more memory, and hits cost more. Default 0: as many as fit all bodies well.
+    pub basis_tolerance: f32,
     /// Largest position error from quantisation at weight 1, m. Above 0, displacements are stored as integers of 1 or 2
-    /// bytes, and carried examples on the coarsest grid within the error. Default 0: exact floats. It changes the
-    /// fingerprint; depth_limit and vertex_mass do not.
+    /// bytes. Default 0: exact floats. It changes the fingerprint; depth_limit and vertex_mass do not.
     pub bake_tolerance: f32,
     /// Largest error of a normal at weight 1, degrees, above 0 and up to 45. Unused if bake_tolerance is 0. Default 1.
     pub bake_normal_tolerance: f32,
     /// Mass of each vertex, kg: vertex_count floats, instead of vertex_mass. Default absent.
     pub vertex_masses: CrumpleInput,
-    /// Also use mirrored copies of the examples if the body is symmetric about a coordinate plane through the centre of
-    /// its bounds. Default true.
+    /// Examples also count mirrored where they agree with it, if the body is symmetric about a coordinate plane through the
+    /// centre of its bounds. Default true.
     pub mirror: MaybeUninit<bool>,
-    /// Fade carried dents to zero at boundary edges that no example moves. Default true.
+    /// Dents fade to zero at boundary edges that no example moves. Default true.
     pub held_rims: MaybeUninit<bool>,
     /// Keep the examples whole in baked bytes too, as CRUMPLE_RULE_MOST_DISPLACED and CRUMPLE_RULE_BLEND need them. An
     /// example of a body of many vertices then takes ten times the memory. Default false.
@@ -110,7 +110,6 @@ pub struct CrumpleExampleDef {
     pub striker: CrumpleStriker,
     /// Whether contact_normal is given. Default false: the mesh's normal is used.
     pub has_contact_normal: MaybeUninit<bool>,
-    pub placement: MaybeUninit<Placement>,
 }
 
 /// A mesh as arrays, which are copied.
@@ -158,7 +157,6 @@ defs!(CrumpleExampleDef, CrumpleExampleSetDef, CrumpleMeshDef);
 
 pub(super) fn default_options() -> CrumpleExampleSetOptions {
     CrumpleExampleSetOptions {
-        stamp_resolution: SetOptions::default().stamp_resolution,
         bake_normal_tolerance: SetOptions::default().normal_tolerance,
         mirror: MaybeUninit::new(true),
         held_rims: MaybeUninit::new(true),
@@ -381,7 +379,6 @@ unsafe fn read_example(example: CrumpleExampleDef, mesh: &MeshData, name: &str) 
         true => Some(finite(example.contact_normal.array(), &field("contact_normal"))?),
         false => None,
     };
-    let placement = enumerator(example.placement, &field("placement"))?;
     finite(example.impulse.array(), &field("impulse"))?;
     let blow = Blow {
         impulse: example.impulse.known(),
@@ -389,7 +386,7 @@ unsafe fn read_example(example: CrumpleExampleDef, mesh: &MeshData, name: &str) 
         normal: contact_normal,
         striker: striker(example.striker, &field("striker"))?,
     };
-    Ok(ExampleData { normals, contact, contact_normal, blow, placement, ..ExampleData::new(title, positions) })
+    Ok(ExampleData { normals, contact, contact_normal, blow, ..ExampleData::new(title, positions) })
 }
 
 /// What leads from the base to the targets.
@@ -424,14 +421,15 @@ pub(super) unsafe fn read_options(options: &CrumpleExampleSetOptions, vertices: 
             return Err(Failure::invalid(message));
         }
     };
+    let basis = positive_or(options.basis_tolerance, "def.options.basis_tolerance", "m", "nodes spread evenly")?;
     Ok(SetOptions {
         depth_limit: positive_or(options.depth_limit, "def.options.depth_limit", "m", "4/3 of the deepest example's")?,
         mirror: boolean(options.mirror),
         held_rims: boolean(options.held_rims),
         whole_examples: boolean(options.whole_examples),
+        basis: basis.map(BasisOptions::new),
         mass,
         drop_below: options.drop_below,
-        stamp_resolution: options.stamp_resolution,
         tolerance: positive_or(options.bake_tolerance, "def.options.bake_tolerance", "m", "exact floats")?,
         normal_tolerance: options.bake_normal_tolerance,
     })

@@ -4,9 +4,7 @@ use super::check::{Out, item};
 use super::context::{CrumpleContext, exclusive};
 use super::result::CrumpleResult;
 use super::types::{CrumpleExampleSet, CrumpleVec3};
-use crate::example::data::Placement;
 use std::ffi::c_char;
-use std::mem::MaybeUninit;
 
 /// Facts about an example. name is UTF-8, never null, and valid until the set is destroyed.
 #[repr(C)]
@@ -27,11 +25,9 @@ pub struct CrumpleExampleInfo {
     pub max_depth: f32,
     /// Distance from the contact to the furthest vertex that moves noticeably, m.
     pub support_radius: f32,
-    pub placement: MaybeUninit<Placement>,
-    /// How well the other examples predict its displacements, and its depth: 0 exact, 1 as if they predicted no dent.
-    /// Negative if unknown. Where they are large, one more example helps most.
+    /// How well the others predict its displacements from its blow, or its contact's displacement: relative L2 error, 0 exact,
+    /// 1 as wrong as no dent. Where it is large, one more example helps most.
     pub field_error: f32,
-    pub depth_error: f32,
     pub reserved: u64,
 }
 
@@ -58,9 +54,7 @@ pub unsafe extern "C" fn crumple_example_set_get_example(
             depth: example.depth(),
             max_depth: example.max_depth(),
             support_radius: example.support_radius(),
-            placement: MaybeUninit::new(example.placement()),
-            field_error: entry.set.learned().error(example_index).unwrap_or(-1.0),
-            depth_error: entry.set.response().and_then(|r| r.depth_error()[example_index]).unwrap_or(-1.0),
+            field_error: entry.set.example_errors()[example_index],
             reserved: 0,
         });
         Ok(())

@@ -55,23 +55,7 @@ pub struct CrumpleHitDef {
 c_enums!(CrumpleHitKind::Displacement);
 defs!(CrumpleHitDef);
 
-/// An example that a hit uses.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct CrumpleChosen {
-    pub example: u32,
-    /// Share of the dent; shares of a hit sum to 1. Negative if it corrects overshoot of the others.
-    pub share: f32,
-    /// Factor that multiplies the example's displacements.
-    pub scale: f32,
-    /// Whether the example is anchored. Otherwise it is carried to the contact.
-    pub anchored: bool,
-    /// Mirrored coordinates, as bits: 1 for x, 2 for y, 4 for z.
-    pub mirror: u8,
-    pub reserved: u16,
-}
-
-/// The effect of a hit. If its status is not CRUMPLE_HIT_STATUS_MARKED, achieved, chosen and mark are zero.
+/// The effect of a hit. If its status is not CRUMPLE_HIT_STATUS_MARKED, achieved, expected_error and mark are zero.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleHitResult {
@@ -84,16 +68,13 @@ pub struct CrumpleHitResult {
     pub target: CrumpleVec3,
     /// Displacement of the contact by this hit alone, m, in the mesh's space.
     pub achieved: CrumpleVec3,
-    pub chosen_count: u32,
+    /// Expected error of the dent relative to its size (L2): 0 exact, 1 as wrong as no dent. Where it is large, one more
+    /// example helps.
+    pub expected_error: f32,
     /// Whether the target was longer than the depth limit and was cut to it.
     pub clamped: bool,
-    /// The examples, the largest share first.
-    pub chosen: [CrumpleChosen; 4],
     /// The mark. All zero if the hit leaves none.
     pub mark: Mark,
-    /// Expected error of the dent relative to its size (L2): 0 exact, 1 as wrong as no dent. 0 if the set has not learned to
-    /// predict it. Where it is large, one more example helps.
-    pub expected_error: f32,
     pub reserved: [u32; 7],
 }
 
@@ -107,7 +88,7 @@ impl CrumpleHitResult {
             target: zero,
             achieved: zero,
             clamped: false,
-            chosen: [None; 4],
+            classic: None,
             mark: None,
             expected_error: None,
         })
@@ -116,28 +97,13 @@ impl CrumpleHitResult {
 
 impl From<&Outcome> for CrumpleHitResult {
     fn from(outcome: &Outcome) -> Self {
-        let mut chosen = [CrumpleChosen::default(); 4];
-        let mut chosen_count = 0;
-        for (to, from) in chosen.iter_mut().zip(outcome.chosen.iter().flatten()) {
-            *to = CrumpleChosen {
-                example: from.example,
-                share: from.share,
-                scale: from.scale,
-                anchored: from.anchored,
-                mirror: from.mirror.bits(),
-                reserved: 0,
-            };
-            chosen_count += 1;
-        }
         CrumpleHitResult {
             status: MaybeUninit::new(outcome.status),
             contact_vertex: outcome.contact_vertex,
             contact_distance: outcome.contact_distance,
             target: outcome.target.into(),
             achieved: outcome.achieved.into(),
-            chosen_count,
             clamped: outcome.clamped,
-            chosen,
             mark: outcome.mark.unwrap_or(bytemuck::Zeroable::zeroed()),
             expected_error: outcome.expected_error.unwrap_or(0.0),
             reserved: [0; 7],

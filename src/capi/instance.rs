@@ -18,8 +18,8 @@ use std::sync::PoisonError;
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleInstanceDef {
     pub struct_size: u32,
-    /// Most examples that one hit may combine: 1 to 4. Default 3.
-    pub examples_per_hit: u32,
+    /// Most marks kept, 1 to 65535. Above, the weakest mark merges into the nearest. Default 64.
+    pub mark_capacity: u32,
     /// The example set, which the instance keeps alive. Required.
     pub set: CrumpleExampleSet,
     /// Any number of yours, such as an entity or a pointer. Default 0.
@@ -27,8 +27,6 @@ pub struct CrumpleInstanceDef {
     pub rule: MaybeUninit<CrumpleRule>,
     /// How a classic rule selects an example. CRUMPLE_RULE_MARKS needs the default.
     pub selection: MaybeUninit<CrumpleSelection>,
-    /// Most marks kept, 1 to 65535. Above, the weakest mark merges into the nearest. Default 64.
-    pub mark_capacity: u32,
     /// No vertex moves further than this, m. Default 0: the set's limit.
     pub depth_limit: f32,
     /// Impulses shorter than this leave no mark, N s, in the space of the hit. Default 0.
@@ -75,7 +73,6 @@ pub struct CrumpleInstanceInfo {
 pub extern "C" fn crumple_instance_def_default() -> CrumpleInstanceDef {
     let options = InstanceOptions::default();
     CrumpleInstanceDef {
-        examples_per_hit: options.examples_per_hit,
         mark_capacity: options.capacity,
         yield_impulse: options.yield_impulse,
         yield_displacement: options.yield_displacement,
@@ -132,7 +129,6 @@ fn options(def: &CrumpleInstanceDef) -> Result<InstanceOptions, Failure> {
             CrumpleSelection::Classic => Selection::Classic,
             CrumpleSelection::ClassicUnclamped => Selection::ClassicUnclamped,
         },
-        examples_per_hit: def.examples_per_hit,
         depth_limit: positive_or(def.depth_limit, "def.depth_limit", "m", SET_LIMIT)?,
         capacity: def.mark_capacity,
         yield_impulse,

@@ -17,20 +17,15 @@ pub struct CrumpleDamageMapping {
     pub moved: u32,
     /// Marks left out because the nearest vertex is further than max_distance.
     pub too_far: u32,
-    /// Marks left out because an example of theirs is missing in the new set.
-    pub without_example: u32,
+    /// Marks left out because they tell a blow, and no example of the new set knows its own.
+    pub without_blows: u32,
     /// The furthest that a mark moved, m.
     pub distance: f32,
-    /// How many examples are missing that marks need, and the first of them: its index in the old set. 0xFFFFFFFF: none.
-    pub missing_examples: u32,
-    pub first_missing_example: u32,
     pub reserved: [u32; 3],
 }
 
 /// Maps damage that was saved with old_set to set, another revision of it: a changed mesh, other examples. Each mark
-/// goes to the nearest vertex, at most max_distance away, m (0 to infinity). An example is the one of the same name; of
-/// several with one name, the n-th, if both sets have as many. If it is missing and set predicts displacements, the mark
-/// becomes a hit told as the displacement of its contact. A mark that does not fit is left out as a whole. data is
+/// goes to the nearest vertex, at most max_distance away, m (0 to infinity). A mark that does not fit is left out. data is
 /// what crumple_instance_save_damage() or crumple_context_save_damage() gave; in the latter, damage of other sets stays
 /// as it is. out_mapping may be null. Errors: CRUMPLE_ERROR_DAMAGE_MISMATCH (not old_set's, or another version, a
 /// classic rule, or cut short), CRUMPLE_ERROR_INVALID_ARGUMENT (a mark that old_set cannot have, or max_distance).
@@ -57,10 +52,8 @@ pub unsafe extern "C" fn crumple_example_set_map_damage(
             kept: done.kept as u32,
             moved: done.moved as u32,
             too_far: done.too_far as u32,
-            without_example: done.without_example as u32,
+            without_blows: done.without_blows as u32,
             distance: done.distance,
-            missing_examples: done.missing_examples.len() as u32,
-            first_missing_example: done.missing_examples.first().map_or(u32::MAX, |e| u32::from(*e)),
             reserved: [0; 3],
         });
         Ok(())

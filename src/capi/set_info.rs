@@ -5,7 +5,6 @@ use super::context::{CrumpleContext, exclusive};
 use super::memory::{Stream, disjoint};
 use super::result::{CrumpleResult, Failure};
 use super::types::{CrumpleAabb, CrumpleExampleSet, CrumpleStream};
-use crate::example::response::Response;
 use std::ffi::c_char;
 
 /// Facts about an example set. Counts and bounds are the base mesh's. Strings are valid until the set is destroyed.
@@ -34,10 +33,8 @@ pub struct CrumpleExampleSetInfo {
     pub lod_count: u32,
     /// Number of examples whose impulse or striker is known. From 1 on, the set predicts what a blow leaves.
     pub blow_count: u32,
-    /// How well the other examples predict an example's displacements, and its depth: median error, 0 exact, 1 no
-    /// better than no dent. Negative if unknown.
+    /// Median of the examples' field_error.
     pub field_error: f32,
-    pub depth_error: f32,
     pub reserved: [u64; 2],
 }
 
@@ -57,6 +54,11 @@ pub struct CrumpleMeshCopyDef {
 defs!(CrumpleMeshCopyDef);
 
 const IDENTITY: [f32; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+
+fn median(mut errors: Vec<f32>) -> f32 {
+    errors.sort_by(f32::total_cmp);
+    errors[errors.len() / 2]
+}
 
 /// Returns facts about a set.
 #[unsafe(no_mangle)]
@@ -84,8 +86,7 @@ pub unsafe extern "C" fn crumple_example_set_get_info(
             has_tangents: mesh.tangents().is_some(),
             lod_count: set.lod_count() as u32,
             blow_count: set.examples().iter().filter(|e| e.blow().total_impulse().is_some()).count() as u32,
-            field_error: set.learned().median().unwrap_or(-1.0),
-            depth_error: set.response().map_or(-1.0, Response::median_depth_error),
+            field_error: median(set.example_errors()),
             reserved: [0; 2],
         });
         Ok(())

@@ -34,7 +34,7 @@ fn file() -> Vec<u8> {
     let depth = |p: &[f32; 3]| (0.09 - (p[0] - 0.5).powi(2) - (p[1] - 0.5).powi(2)).max(0.0);
     let field = positions.iter().map(|p| [0.0, 0.0, -depth(p)]).collect();
     let mesh = MeshData { positions, triangles, ..MeshData::default() };
-    let options = SetOptions { stamp_resolution: 8, ..SetOptions::default() };
+    let options = SetOptions::default();
     let set = ExampleSet::build(mesh, vec![ExampleData::new("dent", Deltas::Full(field))], options, &Serial).unwrap();
     set.save().unwrap()
 }

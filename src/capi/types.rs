@@ -5,7 +5,6 @@ use crate::base::math::Aabb;
 use crate::contacts::options::Impulses;
 use crate::deform::Encoding;
 use crate::example::blow::StrikerShape;
-use crate::example::data::Placement;
 use crate::select::hit::{HitStatus, Space};
 use bytemuck::{Pod, Zeroable};
 use std::ffi::c_void;
@@ -18,7 +17,6 @@ c_enums!(
     CrumpleStrikerShape::Wall,
     HitStatus::Rigid,
     Impulses::ZeroIsUnknown,
-    Placement::Carried,
     Space::World,
 );
 

@@ -65,7 +65,7 @@ impl Damage {
         });
         update_nearby(set, &mut entries);
         self.dents = entries.into_iter().filter(|e| e.after > 0).map(|e| e.dent).collect();
-        self.dents.iter_mut().zip(&marks).for_each(|(dent, mark)| settle(set, mark, dent));
+        self.dents.iter_mut().zip(&marks).for_each(|(dent, mark)| settle(mark, dent));
         self.marks = marks;
     }
 
@@ -92,34 +92,28 @@ impl Damage {
         self.dents.clear();
     }
 
-    /// Calls `f` for every mark that is in this list or the other, in order, with what each shows of its dent.
-    pub(crate) fn compare(&self, other: &Damage, mut f: impl FnMut(&Mark, Shown, Shown)) {
+    /// Calls `f` for every mark that is in this list or the other, in order, with how strongly each shows its dent.
+    pub(crate) fn compare(&self, other: &Damage, mut f: impl FnMut(&Mark, f32, f32)) {
         walk(&self.marks, &other.marks, |a, b| {
-            let shown = |list: &Damage, at: Option<usize>| at.map(|at| Shown::of(&list.dents[at]));
-            let (from, to) = (shown(self, a), shown(other, b));
-            let (width, mark) = (from.or(to), b.map(|b| other.marks[b]).or(a.map(|a| self.marks[a])));
-            let nothing = width.map(|shown| Shown { strength: 0.0, ..shown }).unwrap_or_default();
-            if let Some(mark) = mark {
-                let nothing_there = to.map_or(nothing, |to| Shown { strength: 0.0, ..to });
-                f(&mark, from.unwrap_or(nothing_there), to.unwrap_or(nothing));
+            let strength = |list: &Damage, at: Option<usize>| at.map_or(0.0, |at| list.dents[at].strength);
+            if let Some(mark) = b.map(|b| other.marks[b]).or(a.map(|a| self.marks[a])) {
+                f(&mark, strength(self, a), strength(other, b));
             }
         });
     }
 
-    /// These dents, with others shown in place of some of them, or beside them. `others` are sorted by mark.
-    pub(crate) fn shown_as(&self, set: &ExampleSet, others: &[(Mark, Shown)]) -> Damage {
+    /// These dents, with other strengths for some of them, or others beside them. `others` are sorted by mark.
+    pub(crate) fn shown_as(&self, set: &ExampleSet, others: &[(Mark, f32)]) -> Damage {
         let marks: Vec<Mark> = others.iter().map(|(mark, _)| *mark).collect();
         let mut all = Damage::default();
         walk(&self.marks, &marks, |own, other| {
             let mark = own.map_or_else(|| marks[other.unwrap_or(0)], |own| self.marks[own]);
             let mut dent = own.map_or_else(|| dent_alone(set, &mark), |own| self.dents[own].clone());
             if let Some(other) = other {
-                let Shown { strength, wide } = others[other].1;
-                if strength == 0.0 {
+                dent.strength = others[other].1;
+                if dent.strength == 0.0 {
                     return;
                 }
-                dent.strength = strength;
-                dent.widen(set, wide);
             }
             all.marks.push(mark);
             all.dents.push(dent);
@@ -129,25 +123,6 @@ impl Damage {
 
     pub(crate) fn memory_bytes(&self) -> usize {
         self.marks.len() * size_of::<Mark>() + self.dents.iter().map(Dent::memory_bytes).sum::<usize>()
-    }
-}
-
-/// How strong and how wide a dent is shown.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(crate) struct Shown {
-    strength: f32,
-    wide: f32,
-}
-
-impl Shown {
-    fn of(dent: &Dent) -> Self {
-        Shown { strength: dent.strength, wide: dent.wide }
-    }
-
-    /// What lies at this share of the way to another, 0 to 1.
-    pub(crate) fn towards(self, to: Shown, share: f32) -> Shown {
-        let between = |a: f32, b: f32| a + (b - a) * share;
-        Shown { strength: between(self.strength, to.strength), wide: between(self.wide, to.wide) }
     }
 }
 

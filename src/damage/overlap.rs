@@ -1,4 +1,4 @@
-//! How marks near each other act together: hits on a dented place deepen it less and widen the dent.
+//! How marks near each other act together: hits on a dented place deepen it less.
 //!
 //! `n` hits of depth `T` at one place leave a dent `T n^(1/p)` deep. So the energy of a mark, in hits of another mark's
 //! depth, goes with the depth to the power `p`. For marks `m` and `j` with contacts `c`, depths `T`, energies `n` and
@@ -8,13 +8,12 @@
 //! o_mj     = clamp((max(|u_j(c_m)| / |u_j(c_j)|, |u_m(c_j)| / |u_m(c_m)|) - 0.3) / 0.7, 0, 1)     o_mm = 1
 //! E_m      = sum over j of o_mj n_j (T_j / T_m)^p               all energy near the contact, in hits of m's depth
 //! strength = n_m / E_m * E_m^(1/p)
-//! wide     = clamp(sqrt(E_m^(1/p)), 1, max(1, 0.11 diagonal / radius of the dent)), rounded down to eighths
 //! ```
 //!
 //! Terms of other marks are rounded down to whole units of energy. So `E_m` is a sum of integers: hits can be added and
 //! taken away one by one, and the sum does not depend on their order.
 
-use super::dent::{Dent, Nearby, limited};
+use super::dent::{Dent, Nearby};
 use super::mark::Mark;
 use crate::example::set::ExampleSet;
 
@@ -22,8 +21,6 @@ use crate::example::set::ExampleSet;
 const EXPONENT: f64 = 2.4;
 /// Below this share of its depth, a dent does not count as overlapping.
 const FLOOR: f64 = 0.3;
-/// Dents widen until their radius is this share of the body's diagonal.
-const ROOM: f32 = 0.11;
 /// Dents whose strength alone is below this are removed.
 const LEAST: f32 = 1e-4;
 
@@ -37,29 +34,9 @@ pub(crate) fn dent_alone(set: &ExampleSet, mark: &Mark) -> Dent {
         power: libm::pow(f64::from(mark.depth), EXPONENT),
         depth: dent.alone_at(set, mark.contact).length(),
         reach_square: dent.own_reach_square(set),
-        widest: widest(set, mark),
         others: 0,
     };
     dent
-}
-
-/// The largest factor for the stretch of a mark's dent.
-fn widest(set: &ExampleSet, mark: &Mark) -> f32 {
-    if mark.is_predicted() {
-        return 1.0;
-    }
-    let (mut radius, mut shares) = (0.0, 0.0);
-    for pair in mark.pairs.iter().filter(|p| !p.is_none()) {
-        let e = &set.examples()[pair.example as usize];
-        if let Some(stamp) = e.stamp() {
-            let stretch = if pair.is_anchored() { 1.0 } else { limited((mark.depth / e.depth()).sqrt()) };
-            let share = pair.share_fraction().abs();
-            radius += share * stretch * (stamp.spread / e.depth());
-            shares += share;
-        }
-    }
-    // Without a stamp nothing widens.
-    if shares > 0.0 { (ROOM * set.mesh().bounds().diagonal() * shares / radius).max(1.0) } else { 1.0 }
 }
 
 /// How far two dents act on the same place, 0 to 1.
@@ -81,18 +58,12 @@ pub(crate) fn change(dent: &mut Dent, other: &Dent, overlap: f64, before: u64, a
     dent.nearby.others = dent.nearby.others + given(after) - given(before);
 }
 
-/// Sets the strength and the stretch of a mark's dent.
-pub(crate) fn settle(set: &ExampleSet, mark: &Mark, dent: &mut Dent) {
+/// Sets the strength of a mark's dent.
+pub(crate) fn settle(mark: &Mark, dent: &mut Dent) {
     dent.alone = strength_alone(mark.energy);
     let all = u128::from(mark.energy) + dent.nearby.others;
     let deeper = libm::pow(all as f64 / Mark::ONE as f64, 1.0 / EXPONENT);
     dent.strength = (mark.energy as f64 / all as f64 * deeper) as f32;
-    dent.widen(set, eighths((deeper.sqrt() as f32).min(dent.nearby.widest)).max(1.0));
-}
-
-/// A width rounded down, so that most hits leave the shapes of the dents near them as they are.
-fn eighths(wide: f32) -> f32 {
-    (wide * 8.0).floor() / 8.0
 }
 
 /// Strength of a mark that has no other near it.

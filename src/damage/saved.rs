@@ -1,15 +1,14 @@
 //! Saved damage: a header of 24 bytes, the entries, and a checksum ([`seal`]). The header is the magic `CRDM`, u16
 //! version, u16 kind, u64 fingerprint of the set, u32 number of entries, u32 zero. All numbers are little-endian.
-//! Version 1 has no checksum.
 
-use super::mark::{Mark, Pair};
+use super::mark::Mark;
 use crate::base::error::Error;
 use crate::example::set::ExampleSet;
 use twox_hash::XxHash3_64;
 
 pub(crate) const MAGIC: [u8; 4] = *b"CRDM";
-/// The version that is written, and the newest that is read.
-pub(crate) const VERSION: u16 = 2;
+/// The version that is written and read.
+pub(crate) const VERSION: u16 = 3;
 pub(crate) const HEADER: usize = 24;
 /// Entries are marks of 32 bytes.
 pub(crate) const MARKS: u16 = 1;
@@ -30,7 +29,6 @@ pub(crate) fn seal(bytes: &mut Vec<u8>) {
 pub(crate) fn unseal(bytes: &[u8]) -> Result<&[u8], Error> {
     let bad = |what: String| Err(Error::DamageMismatch { what });
     match u16::from_le_bytes([bytes[4], bytes[5]]) {
-        1 => Ok(bytes),
         VERSION => match bytes.split_last_chunk() {
             Some((sealed, checksum)) if XxHash3_64::oneshot(sealed) == u64::from_le_bytes(*checksum) => Ok(sealed),
             _ => bad(format!(
@@ -38,7 +36,7 @@ pub(crate) fn unseal(bytes: &[u8]) -> Result<&[u8], Error> {
                 bytes.len()
             )),
         },
-        other => bad(format!("version {other}; this library reads versions 1 to {VERSION}")),
+        other => bad(format!("version {other}; this library reads version {VERSION}")),
     }
 }
 
@@ -88,22 +86,10 @@ pub(crate) fn entries<'a>(set: &ExampleSet, bytes: &'a [u8], kind: u16, size: us
 }
 
 pub(crate) fn write_mark(m: &Mark, out: &mut Vec<u8>) {
-    out.extend(m.contact.to_le_bytes());
-    out.extend(m.depth.to_bits().to_le_bytes());
-    out.extend(m.energy.to_le_bytes());
-    for p in &m.pairs {
-        out.extend(p.example.to_le_bytes());
-        out.extend(p.share.to_le_bytes());
-    }
+    out.extend(bytemuck::bytes_of(m));
 }
 
-pub(crate) fn read_mark(b: &[u8]) -> Mark {
-    let u16_at = |i: usize| u16::from_le_bytes([b[i], b[i + 1]]);
-    let u32_at = |i: usize| u32::from_le_bytes([b[i], b[i + 1], b[i + 2], b[i + 3]]);
-    Mark {
-        contact: u32_at(0),
-        depth: f32::from_bits(u32_at(4)),
-        energy: u64::from(u32_at(8)) | u64::from(u32_at(12)) << 32,
-        pairs: [0, 1, 2, 3].map(|i| Pair { example: u16_at(16 + 4 * i), share: u16_at(18 + 4 * i) }),
-    }
+/// The mark of 32 bytes.
+pub(crate) fn read_mark(bytes: &[u8]) -> Mark {
+    bytemuck::pod_read_unaligned(bytes)
 }

@@ -25,20 +25,6 @@ pub enum Contact {
     Point([f32; 3]),
 }
 
-/// Whether an example stays where it was made (anchored) or moves to where the body was hit (carried).
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Placement {
-    /// Anchored if the hit is within a tenth of support_radius of the example's contact and 0.9 to 1 times as deep, or
-    /// if the set's examples predict each other better anchored there. Otherwise carried. The default.
-    #[default]
-    Automatic = 0,
-    /// Always anchored: for creases, frames, bumpers.
-    Anchored = 1,
-    /// Always carried: for sheet metal.
-    Carried = 2,
-}
-
 /// One example: the base mesh after a collision, stored as differences from the base mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExampleData {
@@ -54,21 +40,11 @@ pub struct ExampleData {
     pub contact_normal: Option<[f32; 3]>,
     /// The blow that made the dent. If its normal is unknown, it takes `contact_normal`.
     pub blow: Blow,
-    /// Whether the example may be carried.
-    pub placement: Placement,
 }
 
 impl ExampleData {
     /// An example with a name and displacements. Everything else takes its default.
     pub fn new(name: impl Into<String>, positions: Deltas) -> Self {
-        Self {
-            name: name.into(),
-            positions,
-            normals: None,
-            contact: None,
-            contact_normal: None,
-            blow: Blow::default(),
-            placement: Placement::Automatic,
-        }
+        Self { name: name.into(), positions, normals: None, contact: None, contact_normal: None, blow: Blow::default() }
     }
 }

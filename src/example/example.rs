@@ -2,9 +2,6 @@
 
 use super::blocks::DeltaBlocks;
 use super::blow::Blow;
-use super::data::Placement;
-use super::stamp::Stamp;
-use crate::base::math::tangent_basis;
 use crate::basis::Rows;
 use glam::Vec3;
 use std::sync::Arc;
@@ -13,36 +10,25 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub struct Example {
     pub(crate) name: String,
-    pub(crate) placement: Placement,
     pub(crate) contact_vertex: u32,
     pub(crate) contact_point: Vec3,
     pub(crate) contact_normal: Option<Vec3>,
     pub(crate) contact_delta: Vec3,
     pub(crate) blow: Blow,
     pub(crate) depth: f32,
-    /// Natural logarithm of `depth`, for selection.
-    pub(crate) log_depth: f32,
     pub(crate) max_depth: f32,
     pub(crate) support_radius: f32,
     pub(crate) moved: usize,
-    /// Further from the contact it moves no vertex enough to be used there anchored, m.
-    pub(crate) reach: f32,
     /// What it moves, whole; `None` in a set from a file without.
     pub(crate) whole: Option<Arc<DeltaBlocks>>,
     /// What it moves the set's nodes by, and how the vertices follow them. There once the set is made.
     pub(crate) followed: Option<(Arc<DeltaBlocks>, Arc<Rows>)>,
-    pub(crate) stamp: Option<Stamp>,
 }
 
 impl Example {
     /// Its name.
     pub fn name(&self) -> &str {
         &self.name
-    }
-
-    /// Whether the example may be carried. [`Placement::Anchored`] if the mesh has no normals, which carrying needs.
-    pub fn placement(&self) -> Placement {
-        self.placement
     }
 
     /// The vertex that was hit when the example was made.
@@ -60,8 +46,7 @@ impl Example {
         self.contact_normal
     }
 
-    /// Displacement of the contact vertex as it was given, m. It is not rounded to a tolerance, because hits are
-    /// compared with it.
+    /// Displacement of the contact vertex as it was given, m. It is not rounded to a tolerance.
     pub fn contact_displacement(&self) -> Vec3 {
         self.contact_delta
     }
@@ -105,33 +90,9 @@ impl Example {
         rows.at_vertex(v, |node| nodes.delta(node))
     }
 
-    /// The displacement that a hit on vertex `v`, at position `p` (m), is compared with when the example is used
-    /// anchored. At its own contact it is the displacement as given, elsewhere as stored.
-    pub(crate) fn displacement_at(&self, v: u32, p: Vec3) -> Vec3 {
-        let stored = self.delta(v);
-        // The vertex on the other side of a closed seam counts as the contact too.
-        let own = v == self.contact_vertex || (p == self.contact_point && stored == self.delta(self.contact_vertex));
-        if own { self.contact_delta } else { stored }
-    }
-
     /// Change of the unit normal of vertex `v`, which the classic rules use; zero in a set from a file without
     /// [whole examples](super::options::SetOptions::whole_examples).
     pub fn normal_delta(&self, v: u32) -> Vec3 {
         self.whole.as_ref().map_or(Vec3::ZERO, |whole| whole.normal_delta(v))
-    }
-
-    /// The stamp used to carry the example. `None` for an anchored or empty example, and for all of a set from a file that predicts
-    /// every hit from all of its examples.
-    pub fn stamp(&self) -> Option<&Stamp> {
-        self.stamp.as_ref()
-    }
-
-    pub(crate) fn log_depth(&self) -> f32 {
-        self.log_depth
-    }
-
-    /// The stamp's frame in mesh space. Its columns are x and y, along the surface, and z, the contact normal.
-    pub fn frame(&self) -> glam::Mat3 {
-        tangent_basis(self.contact_normal.unwrap_or(Vec3::Z))
     }
 }

@@ -2,15 +2,11 @@
 
 pub(crate) mod blocks;
 pub(crate) mod blow;
-pub(crate) mod candidates;
 pub(crate) mod data;
 #[expect(clippy::module_inception, reason = "one file an idea")]
 pub(crate) mod example;
-pub(crate) mod learned;
 pub(crate) mod mesh_lod;
 pub(crate) mod options;
 pub(crate) mod report;
-pub(crate) mod response;
 pub(crate) mod rule;
 pub(crate) mod set;
-pub(crate) mod stamp;

@@ -2,6 +2,7 @@
 
 use crate::base::error::Error;
 use crate::base::error::{at_least_zero, positive};
+use crate::basis::learn::BasisOptions;
 use crate::mesh::MAX_COORDINATE;
 
 /// Mass of the vertices, for impulses that do not give one.
@@ -25,22 +26,21 @@ pub struct SetOptions {
     pub mass: VertexMass,
     /// Displacements no longer than this are dropped, m. 0 drops only exact zeros.
     pub drop_below: f32,
-    /// Nodes along each side of a stamp, 4 to 128. With a tolerance it is the maximum.
-    pub stamp_resolution: u32,
     /// Largest position error that compression may cause, for an example of weight 1, m. `None` stores displacements as
     /// exact floats. With a tolerance, displacements are stored as multiples of one step in the narrowest integers, and
-    /// those no longer than the tolerance are dropped. Each stamp uses the coarsest grid within the tolerance. If none
-    /// is, it has `stamp_resolution` nodes a side and a larger [`crate::Stamp::error`].
+    /// those no longer than the tolerance are dropped.
     pub tolerance: Option<f32>,
     /// With a tolerance, the largest error of a normal for an example of weight 1, degrees. Above 0 and at most 45.
     pub normal_tolerance: f32,
-    /// Whether examples are also used mirrored, if the body is symmetric about a coordinate plane through the centre of
+    /// Whether examples also count mirrored where they agree with it, if the body is symmetric about a coordinate plane through the centre of
     /// its bounds.
     pub mirror: bool,
     /// Whether carried dents fade to zero towards edges of the sheet that the examples show to be held (fixed).
     pub held_rims: bool,
-    /// Whether a baked file holds the examples whole, as the classic rules need them and
-    /// [learning the basis again](crate::ExampleSet::learn_basis). Otherwise it holds what they move the nodes by, which is all that
+    /// How well vertices follow *nodes*, a few of them, whose displacements alone are computed from hits (docs/model.md, "Nodes").
+    /// `None`: nodes spread evenly. With options more are added where vertices are wrong. It is not saved.
+    pub basis: Option<BasisOptions>,
+    /// Whether a baked file holds the examples whole, as the classic rules need them. Otherwise it holds what they move the nodes by, which is all that
     /// hits need: an example of a body of many vertices then takes a tenth of the memory.
     pub whole_examples: bool,
 }
@@ -51,11 +51,11 @@ impl Default for SetOptions {
             depth_limit: None,
             mass: VertexMass::default(),
             drop_below: 0.0,
-            stamp_resolution: 32,
             tolerance: None,
             normal_tolerance: 1.0,
             mirror: true,
             held_rims: true,
+            basis: None,
             whole_examples: false,
         }
     }
@@ -69,9 +69,6 @@ pub(crate) fn check_options(o: &SetOptions, vertices: usize) -> Result<(), Error
         }
     }
     at_least_zero("drop_below", o.drop_below, "m")?;
-    if !(4..=128).contains(&o.stamp_resolution) {
-        return Err(Error::invalid("stamp_resolution", o.stamp_resolution, "4 to 128"));
-    }
     if let Some(t) = o.tolerance {
         positive("tolerance", t, "m")?;
         if !(o.normal_tolerance > 0.0 && o.normal_tolerance <= 45.0) {

@@ -24,8 +24,6 @@ pub struct SetReport {
     pub moved_vertices: usize,
     /// Number of blocks of whole examples with 1, 2 and 4 bytes per number, summed over all examples.
     pub blocks_by_width: [usize; 3],
-    /// Memory of stamps, bytes.
-    pub stamp_bytes: usize,
     /// Planes of symmetry through the centre of the bounds. None if [`crate::SetOptions::mirror`] is off.
     pub mirror_planes: Mirror,
     /// Number of vertices on held edges. Each vertex of a seam counts.

@@ -5,7 +5,7 @@ use crate::base::tasks::TaskSystem;
 use crate::basis::field::NodeField;
 use crate::mesh::Mesh;
 use crate::mesh::mirror::Mirror;
-use crate::predict::{Blow, Body, Fields, Hit, Learned, Prediction, Predictor, Sample, Scratch, Strike};
+use crate::predict::{Blow, Body, Fields, Hit, Prediction, Predictor, Sample, Scratch, Strike};
 use glam::Vec3;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};
@@ -13,9 +13,7 @@ use std::sync::{Arc, Mutex};
 use super::blocks::DeltaBlocks;
 use super::blow;
 use super::example::Example;
-use super::learned;
 use super::mesh_lod::MeshLod;
-use super::response::Response;
 
 /// Predictions that are kept, since a hit is predicted when it is submitted and again when it is folded.
 const RECENT: usize = 64;
@@ -70,9 +68,6 @@ pub(crate) struct Source<'a> {
     /// The planes in which the body is symmetric.
     pub mirror: Mirror,
     pub examples: &'a [Example],
-    /// How well the nearest examples predict each other, and what they say of blows.
-    pub nearest: &'a learned::Learned,
-    pub response: Option<&'a Response>,
     /// The nodes as a mesh, with the examples on it.
     pub nodes: &'a MeshLod,
 }
@@ -105,8 +100,7 @@ impl Points {
 }
 
 impl LearnedRule {
-    /// Learns from the examples as they are on the nodes. Keeps what predicts blows, and displacements, only where it is better than the
-    /// nearest examples.
+    /// Learns from the examples as they are on the nodes.
     ///
     /// # Errors
     /// Those of [`Predictor::learn`].
@@ -121,15 +115,14 @@ impl LearnedRule {
             .map(|((e, field), simulation)| Sample {
                 contact: e.contact_point(),
                 // Not the one that was given with it: hits have the mesh's.
-                normal: source.mesh.contact_normal(e.contact_vertex()).unwrap_or(Vec3::Z),
+                normal: source.mesh.contact_normal(e.contact_vertex()).unwrap_or(-e.contact_displacement() / e.depth()),
                 blow: Some(known_blow(e.blow())).filter(|b| b.velocity.or(b.impulse).is_some()),
                 field,
                 moved: Some(e.contact_displacement()),
                 source: simulation,
             })
             .collect();
-        let mut predictor = Predictor::learn(&points.body(nodes), &samples, tasks)?;
-        predictor.keep(better(source, predictor.learned(), predictor.knows_blows()));
+        let predictor = Predictor::learn(&points.body(nodes), &samples, tasks)?;
         Ok(LearnedRule { predictor, fields: Moves::of(source), recent: Mutex::default() })
     }
 
@@ -164,14 +157,9 @@ impl LearnedRule {
         &self.predictor.learned().errors
     }
 
-    /// Whether it predicts blows, and displacements.
-    pub(crate) fn predicts(&self) -> [bool; 2] {
-        [self.predictor.knows_blows(), self.predictor.knows_displacements()]
-    }
-
-    /// Whether no hit mixes the nearest examples.
-    pub(crate) fn predicts_all(&self) -> bool {
-        self.predicts() == [true; 2]
+    /// Whether it predicts blows: some example knows its own. It always predicts displacements.
+    pub(crate) fn predicts_blows(&self) -> bool {
+        self.predictor.knows_blows()
     }
 
     /// What is known of a blow on a surface with this unit normal. `None` if it points out of the body.
@@ -205,31 +193,6 @@ impl LearnedRule {
         let fields: usize = recent.predictions.iter().map(|(_, predicted)| predicted.field.bytes()).sum();
         self.predictor.bytes() + fields
     }
-}
-
-/// Whether the rule is better at blows, and at displacements, than the nearest examples: with each example left out in turn.
-fn better(source: &Source<'_>, learned: &Learned, knows_blows: bool) -> [bool; 2] {
-    /// With fewer examples chance decides.
-    const ENOUGH: usize = 6;
-    /// The nearest examples must be better by this factor, because leaving out one of few examples costs the rule more than them.
-    const CLEARLY: f64 = 1.025;
-    let nearest = source.nearest;
-    let depths = source.response.map_or(&[][..], Response::depth_error);
-    let moving = (0..source.examples.len()).filter(|i| !source.examples[*i].is_empty());
-    let score = |e: f32| f64::from(e.min(2.0)).sqrt();
-    let (mut sums, mut counts) = ([[0.0; 2]; 2], [0; 2]);
-    for (i, (blow, displacement)) in moving.zip(learned.errors.iter().zip(&learned.displacement_errors)) {
-        let shape = if nearest.anchored[i] { nearest.anchored_error[i] } else { nearest.carried_error[i] };
-        let Some(shape) = shape else { continue };
-        let depth = depths.get(i).copied().flatten().filter(|_| knows_blows);
-        for (k, pair) in [depth.map(|d| (*blow, shape.hypot(d))), Some((*displacement, shape))].iter().enumerate() {
-            let Some((ours, theirs)) = pair else { continue };
-            counts[k] += 1;
-            sums[k][0] += score(*ours);
-            sums[k][1] += score(*theirs);
-        }
-    }
-    [0, 1].map(|k| counts[k] >= ENOUGH && sums[k][0] < CLEARLY * sums[k][1])
 }
 
 /// For each example the first of its simulation: mirror images of one dent are as deep and as large.

@@ -1,15 +1,11 @@
 //! The example set: a base mesh and its examples, ready for use. It is immutable, and all instances share it.
 
 use super::blocks::Bytes;
-use super::candidates::Candidates;
 use super::example::Example;
-use super::learned::Learned;
 use super::mesh_lod::MeshLod;
 use super::options::{SetOptions, VertexMass};
 use super::report::{LodReport, SetReport};
-use super::response::Response;
 use super::rule::{LearnedRule, Source};
-use super::stamp::Stamp;
 use crate::base::array::Array;
 use crate::base::error::Error;
 use crate::basis::learn::BasisReport;
@@ -45,9 +41,6 @@ pub struct ExampleSet {
     options: SetOptions,
     depth_limit: f32,
     index: VertexIndex,
-    candidates: Candidates,
-    learned: Learned,
-    response: Option<Response>,
     fingerprint: u64,
     report: SetReport,
     basis_report: Option<BasisReport>,
@@ -131,7 +124,6 @@ pub(crate) struct Parts {
     pub examples: Vec<Example>,
     pub options: SetOptions,
     pub index: VertexIndex,
-    pub learned: Learned,
     pub planes: Mirror,
     pub fingerprint: u64,
     pub welded: usize,
@@ -168,19 +160,12 @@ impl ExampleSet {
             report.normal_bytes += bytes.normals;
             report.moved_vertices += e.moved;
             report.blocks_by_width.iter_mut().zip(bytes.blocks).for_each(|(sum, n)| *sum += n);
-            report.stamp_bytes += e.stamp.as_ref().map_or(0, Stamp::bytes);
             if e.is_empty() {
                 report.empty_examples.push(i);
             }
         }
-        let response = Response::learn(&p.examples, &mesh.bounds(), p.planes);
-        let mut candidates = Candidates::new(mesh, &p.examples, p.planes, response.as_ref());
-        candidates.let_stay(&p.examples, &p.learned.anchored);
         Self {
-            candidates,
             depth_limit: p.options.depth_limit.unwrap_or(deepest(&p.examples)),
-            learned: p.learned,
-            response,
             base: p.base,
             lods: p.lods.into_iter().map(|l| l.0).collect(),
             examples: p.examples,
@@ -244,8 +229,7 @@ impl ExampleSet {
         &self.report
     }
 
-    /// Whether the set holds its examples whole, as the classic rules need them and [learning the basis
-    /// again](ExampleSet::learn_basis): one that was built, or whose file has them ([`SetOptions::whole_examples`]).
+    /// Whether the set holds its examples whole, as the classic rules need them: one that was built, or whose file has them ([`SetOptions::whole_examples`]).
     pub fn has_whole_examples(&self) -> bool {
         !self.base.anchored.is_empty()
     }
@@ -260,19 +244,7 @@ impl ExampleSet {
         self.lods().map(MeshLod::bytes).sum::<usize>()
             + self.nodes().lod.bytes()
             + self.index.bytes()
-            + self.report.stamp_bytes
-            + self.candidates.bytes()
             + self.rule.as_ref().map_or(0, LearnedRule::bytes)
-    }
-
-    /// What the set learned about its body's response to blows. `None` if no example knows its blow.
-    pub fn response(&self) -> Option<&Response> {
-        self.response.as_ref()
-    }
-
-    /// What the set learned from its own examples by leaving each one out in turn.
-    pub fn learned(&self) -> &Learned {
-        &self.learned
     }
 
     /// The vertex nearest to `point` (mesh space, m). The lowest index if several are equally near.
@@ -308,10 +280,6 @@ impl ExampleSet {
         &self.index
     }
 
-    pub(crate) fn candidates(&self) -> &Candidates {
-        &self.candidates
-    }
-
     pub(crate) fn rim(&self) -> &Rim {
         &self.base.rim
     }
@@ -340,7 +308,7 @@ impl ExampleSet {
         self.nodes.as_ref().expect("whoever makes a set lets it follow nodes")
     }
 
-    /// Lets all meshes follow nodes, with rows for each of them. A rule that was learned with other nodes is forgotten. The default
+    /// Lets all meshes follow nodes, with rows for each of them. The rule is to be learned again. The default
     /// depth limit is larger than the deepest example, so that nodes move freely up to it.
     pub(crate) fn follow(&mut self, lod: MeshLod, rows: Vec<Rows>, report: Option<BasisReport>) {
         self.depth_limit = self.options.depth_limit.unwrap_or(deepest(&self.examples) / FREE);
@@ -357,24 +325,29 @@ impl ExampleSet {
         self.report.lods.iter_mut().zip(&self.lods).for_each(|(report, lod)| report.bytes = lod.bytes());
     }
 
-    /// What predicts hits from all examples, if the set has learned it.
-    pub(crate) fn rule(&self) -> Option<&LearnedRule> {
-        self.rule.as_ref()
+    /// What predicts hits from all examples.
+    pub(crate) fn rule(&self) -> &LearnedRule {
+        self.rule.as_ref().expect("whoever makes a set lets it learn")
+    }
+
+    /// Whether a hit may be told as a blow: some example knows its own. Otherwise a displacement is made of its impulse.
+    pub fn predicts_blows(&self) -> bool {
+        self.rule().predicts_blows()
+    }
+
+    /// For each example the relative L2 error with which the others predict it: from its blow, or from its displacement if it knows none.
+    /// 1 is the error of no dent at all; 0 for an example that moves nothing.
+    pub fn example_errors(&self) -> Vec<f32> {
+        let mut errors = self.rule().errors().iter().copied();
+        self.examples.iter().map(|e| if e.is_empty() { 0.0 } else { errors.next().unwrap_or(1.0) }).collect()
     }
 
     /// What a rule is learned from, with these nodes.
     pub(crate) fn rule_source<'a>(&'a self, nodes: &'a MeshLod) -> Source<'a> {
-        Source {
-            mesh: self.mesh(),
-            mirror: self.report.mirror_planes,
-            examples: &self.examples,
-            nearest: &self.learned,
-            response: self.response(),
-            nodes,
-        }
+        Source { mesh: self.mesh(), mirror: self.report.mirror_planes, examples: &self.examples, nodes }
     }
 
-    /// Lets hits be predicted. Marks then mean something else, so the fingerprint changes.
+    /// Lets hits be predicted.
     pub(crate) fn set_rule(&mut self, rule: LearnedRule) {
         self.rule = Some(rule);
     }
@@ -390,11 +363,6 @@ impl ExampleSet {
         }
         self.lods.push(lod);
         self.report.lods.push(report);
-    }
-
-    pub(crate) fn set_learned(&mut self, learned: Learned) {
-        self.candidates.let_stay(&self.examples, &learned.anchored);
-        self.learned = learned;
     }
 
     /// Spatial index of the base mesh's triangles. The first call builds it.

@@ -2,7 +2,7 @@
 //! its mark puts it, evenly over the growth time. So the vertices are a function of the marks, of the times at which
 //! they changed, and of the time that the caller gives. Once nothing grows, nothing is kept and nothing costs.
 
-use crate::damage::list::{Damage, Shown};
+use crate::damage::list::Damage;
 use crate::damage::mark::Mark;
 use crate::example::set::ExampleSet;
 
@@ -23,8 +23,9 @@ pub(crate) struct Growth {
 #[derive(Debug, Clone, Copy)]
 struct Growing {
     mark: Mark,
-    from: Shown,
-    to: Shown,
+    /// Strengths.
+    from: f32,
+    to: f32,
     /// s.
     began: f64,
 }
@@ -97,8 +98,8 @@ impl Growth {
         let (now, lasts) = (self.now, self.lasts);
         let share = |g: &Growing| ((now - g.began) / lasts).clamp(0.0, 1.0) as f32;
         self.growing.retain(|g| share(g) < 1.0);
-        let on_the_way: Vec<(Mark, Shown)> =
-            self.growing.iter().map(|g| (g.mark, g.from.towards(g.to, share(g)))).collect();
+        let on_the_way: Vec<(Mark, f32)> =
+            self.growing.iter().map(|g| (g.mark, g.from + (g.to - g.from) * share(g))).collect();
         self.shown = (!on_the_way.is_empty()).then(|| damage.shown_as(set, &on_the_way));
     }
 

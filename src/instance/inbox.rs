@@ -126,7 +126,7 @@ impl Inbox {
                 let length = |j: [f32; 3]| DVec3::from_array(j.map(f64::from)).length().min(f32::MAX.into()) as f32;
                 let push = match hit.cause {
                     Cause::Displacement(_) => Push::Target { target: outcome.target, impulse: None },
-                    Cause::Impulse { blow, .. } if self.set.response().is_some() => {
+                    Cause::Impulse { blow, .. } if self.set.predicts_blows() => {
                         Push::Blow(params.local_blow(&blow, hit.space))
                     }
                     Cause::Impulse { blow, .. } => {

@@ -107,7 +107,6 @@ impl Instance {
         let limit = options.depth_limit.unwrap_or(set.depth_limit());
         let params = HitParams {
             selection: options.selection,
-            examples_per_hit: options.examples_per_hit as usize,
             depth_limit: limit,
             yield_impulse: options.yield_impulse,
             yield_displacement: options.yield_displacement,

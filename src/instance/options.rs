@@ -30,11 +30,8 @@ impl Rule {
 pub struct InstanceOptions {
     /// What an impulse leaves.
     pub rule: Rule,
-    /// How a classic rule chooses an example. Marks are made of the examples that best predict a dent of the hit's place,
-    /// depth and lean.
+    /// How a classic rule chooses an example.
     pub selection: Selection,
-    /// The most examples that one hit may mix, 1 to 4.
-    pub examples_per_hit: u32,
     /// The furthest that any vertex moves, m. `None`: the set's limit.
     pub depth_limit: Option<f32>,
     /// The most marks kept, 1 to 65535. Beyond it marks merge (see [`crate::Instance::marks`]).
@@ -58,7 +55,6 @@ impl Default for InstanceOptions {
         Self {
             rule: Rule::Marks,
             selection: Selection::Classic,
-            examples_per_hit: 3,
             depth_limit: None,
             capacity: 64,
             yield_impulse: 0.0,
@@ -89,9 +85,6 @@ impl InstanceOptions {
         at_least_zero("grow_time", self.grow_time, "s")?;
         if self.grow_time > 0.0 && self.rule != Rule::Marks {
             return Err(Error::invalid("grow_time", self.grow_time, "0 with a classic rule"));
-        }
-        if !(1..=4).contains(&self.examples_per_hit) {
-            return Err(Error::invalid("examples_per_hit", self.examples_per_hit, "1 to 4"));
         }
         if !(1..=65535).contains(&self.capacity) {
             return Err(Error::invalid("capacity", self.capacity, "1 to 65535 marks"));

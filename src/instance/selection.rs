@@ -1,4 +1,4 @@
-//! Selects examples for a hit as the instance's rule requires, and decides what the hit leaves.
+//! Decides what a hit leaves, as the instance's rule requires.
 
 use super::options::Rule;
 use crate::base::error::Error;
@@ -6,9 +6,7 @@ use crate::classic::select::select_by_cosine;
 use crate::damage::mark::Mark;
 use crate::damage::told::{Told, predicted};
 use crate::example::set::ExampleSet;
-use crate::mesh::mirror::Mirror;
 use crate::select::hit::{Chosen, Hit, HitStatus, Outcome, Selection};
-use crate::select::nearest::select_nearest;
 use crate::select::target::{HitParams, HitTarget, resolve};
 use glam::Vec3;
 
@@ -29,26 +27,20 @@ pub(crate) fn select(set: &ExampleSet, rule: Rule, params: &HitParams, hit: &Hit
     let (mut outcome, target) = resolve(set, params, hit)?;
     let Some(target) = target else { return Ok((outcome, Effect::None)) };
     let effect = match rule {
-        Rule::Marks if predicts(set, &target) => predict(set, &target, &mut outcome).map(Effect::Mark),
-        Rule::Marks => select_nearest(set, params.examples_per_hit, &target, &mut outcome).map(Effect::Mark),
+        Rule::Marks => predict(set, &target, &mut outcome).map(Effect::Mark),
         Rule::MostDisplaced | Rule::Blend(_) => classic(set, &target, params.selection, &mut outcome),
     };
     Ok((outcome, effect.unwrap_or(Effect::None)))
 }
 
-/// Whether the set predicts hits like this one.
-fn predicts(set: &ExampleSet, target: &HitTarget) -> bool {
-    set.rule().is_some_and(|rule| target.told.is_some() || rule.predicts()[1] && target.strike.is_none())
-}
-
-/// The mark of a hit whose dent the set predicts.
+/// The mark of a hit.
 fn predict(set: &ExampleSet, target: &HitTarget, out: &mut Outcome) -> Option<Mark> {
-    let told = target.told.unwrap_or(Told::Displacement(target.direction));
-    let mark =
-        Mark { contact: target.contact, depth: target.size, energy: Mark::ONE, pairs: told.pairs(target.normal?) };
-    let found = predicted(set, &mark)?;
+    let mark = Mark::new(target.contact, target.size, &target.told, target.normal);
+    let found = predicted(set, &mark);
     let moved = found.moved * found.scale;
-    if moved == Vec3::ZERO {
+    // Examples that push tell nothing of a pull.
+    let away = matches!(target.told, Told::Displacement(_)) && moved.dot(target.direction) <= 1e-3 * moved.length();
+    if moved == Vec3::ZERO || away {
         return None;
     }
     out.achieved = (moved * set.mesh().limits().factor(mark.contact, moved)).to_array();
@@ -60,7 +52,7 @@ fn predict(set: &ExampleSet, target: &HitTarget, out: &mut Outcome) -> Option<Ma
 fn classic(set: &ExampleSet, target: &HitTarget, selection: Selection, out: &mut Outcome) -> Option<Effect> {
     let chosen = select_by_cosine(set, target, selection == Selection::Classic)?;
     let (example, weight) = (chosen.example, chosen.weight);
-    out.chosen[0] = Some(Chosen { example, share: 1.0, scale: weight, anchored: true, mirror: Mirror::NONE });
+    out.classic = Some(Chosen { example, weight });
     let moved = chosen.delta * weight;
     out.achieved = (moved * set.mesh().limits().factor(target.contact, moved)).to_array();
     out.status = HitStatus::Marked;

@@ -1,12 +1,11 @@
 //! Mirror symmetry. If a body is symmetric about a plane, an example made on one side is also used on the other.
 //!
 //! Only the three coordinate planes through the centre of the bounds are tested. The body is symmetric about a plane if
-//! the plane maps the vertices onto themselves; triangles are ignored. A mirrored example needs no memory, because its
-//! stamp is read mirrored.
+//! the plane maps the vertices onto themselves; triangles are ignored.
 
 use crate::base::math::Aabb;
 use crate::mesh::nearest::VertexIndex;
-use glam::{Mat3, Vec3};
+use glam::Vec3;
 
 /// Greatest distance between a mirrored vertex and its nearest vertex, as a share of the bounds' diagonal.
 const TOLERANCE: f32 = 1e-3;
@@ -55,11 +54,6 @@ impl Mirror {
     /// Mirrors a point in planes through `centre`, m.
     pub(crate) fn point(self, p: Vec3, centre: Vec3) -> Vec3 {
         if self == Self::NONE { p } else { centre + self.direction(p - centre) }
-    }
-
-    /// The matrix of [`Mirror::direction`].
-    pub(crate) fn matrix(self) -> Mat3 {
-        Mat3::from_diagonal(self.signs())
     }
 }
 

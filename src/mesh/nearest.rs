@@ -210,22 +210,9 @@ impl VertexIndex {
         distance.is_finite().then_some(Nearest { vertex, distance })
     }
 
-    /// Squared distances (m²) and indices of up to four nearest vertices, nearest first. Ties go to the lowest index.
-    pub(crate) fn four(&self, point: Vec3) -> ArrayVec<(f32, u32), 4> {
-        self.within(point, f32::MAX)
-    }
-
     /// Squared distances (m²) and indices of up to `N` nearest vertices, nearest first. Ties go to the lowest index.
     pub(crate) fn several<const N: usize>(&self, point: Vec3) -> ArrayVec<(f32, u32), N> {
         self.within(point, f32::MAX)
-    }
-
-    /// Like [`VertexIndex::four`] if the nearest vertex is nearer than `reach` (m). Otherwise it is faster and, up to
-    /// rounding, returns none.
-    pub(crate) fn four_if_near(&self, point: Vec3, reach: f32) -> ArrayVec<(f32, u32), 4> {
-        // Slightly more, so that rounding excludes no vertex.
-        let found = self.within(point, (reach * reach * 1.00001 + f32::MIN_POSITIVE).min(f32::MAX));
-        if (1..4).contains(&found.len()) { self.four(point) } else { found }
     }
 
     /// The `N` nearest vertices within a squared distance of `reach`, m².
@@ -437,13 +424,7 @@ mod tests {
         let distance = (positions[all[0].1 as usize].as_dvec3() - q.as_dvec3()).length() as f32;
         prop_assert_eq!(found.map(|n| n.vertex), distance.is_finite().then_some(all[0].1));
         let finite: Vec<_> = all.iter().copied().filter(|f| f.0.is_finite()).take(4).collect();
-        prop_assert_eq!(&*index.four(q), &*finite);
-        for reach in [0.0, 0.1, 1.0, 1e9] {
-            let near = index.four_if_near(q, reach);
-            if finite.first().is_some_and(|f| f.0.sqrt() < reach) {
-                prop_assert_eq!(&*near, &*finite);
-            }
-        }
+        prop_assert_eq!(&*index.several::<4>(q), &*finite);
         Ok(())
     }
 
@@ -491,8 +472,7 @@ mod tests {
             let tree = of(&all).unwrap();
             let q = Vec3::from_array(q);
             prop_assert!(tree.nearest(q, &[Vec3::ONE; 7]).is_none_or(|n| n.vertex < 7));
-            prop_assert!(tree.four(q).iter().all(|f| f.1 < 7));
-            prop_assert!(tree.four_if_near(q, 1.0).iter().all(|f| f.1 < 7));
+            prop_assert!(tree.several::<4>(q).iter().all(|f| f.1 < 7));
         }
     }
 

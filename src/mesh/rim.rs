@@ -4,7 +4,7 @@
 //! vertex beside it. A vertex counts as moved if its displacement exceeds a hundredth of the example's deepest. A
 //! vertex is beside a rim if it shares a triangle with it or lies within the window's width. Near a held rim, carried
 //! displacements are multiplied by a window that rises smoothly from 0 on the rim to 1 at [`WIDTH`] of the diagonal.
-//! Anchored examples are not changed.
+//! What examples leave where they were made is not changed.
 
 use super::Mesh;
 use super::field::Field;

@@ -29,7 +29,7 @@ pub struct Prediction {
     /// Root of the sum of the squared displacements of all points, m. 0 if the hit leaves nothing. A harder blow is
     /// never predicted smaller.
     pub size: f32,
-    /// Displacement of the point nearest to the contact, m.
+    /// Displacement of the point nearest to the contact if no rim were held, m.
     pub depth: f32,
     /// Expected relative L2 error of the field; 1 is the error of no dent at all.
     pub expected_error: f32,

@@ -25,8 +25,8 @@ const FIT_ROWS: usize = 200;
 const CARRIED_MODES: usize = 32;
 const ANCHORED_MODES: usize = 48;
 const LOST: f64 = 5e-4;
-/// With fewer groups nothing but sizes is learned.
-const LEAST_GROUPS: usize = 4;
+/// With fewer groups nothing is chosen by leaving out: it would be chance.
+const LEAST_GROUPS: usize = 6;
 /// Fields count as this many independent outputs.
 const OUTPUTS: f64 = 20.0;
 /// Shares of the carried field that the anchored part starts from.
@@ -125,14 +125,15 @@ fn learn(body: &Body<'_>, samples: &[Sample<'_>], tasks: &dyn TaskSystem) -> Res
         blow,
         displacement,
         order: order.iter().map(|i| *i as u32).collect(),
-        reach: reach(body, &data.samples),
+        reach: reach(body, &data.samples, data.diagonal),
         learned,
     })
 }
 
-/// The largest distance from a contact at which a sample still moves by a hundredth of its longest displacement, m.
-fn reach(body: &Body<'_>, samples: &[Sample<'_>]) -> f32 {
-    let mut reach = 0.0f32;
+/// The largest distance from a contact at which a sample still moves by a hundredth of its longest displacement, m; at least a hundredth
+/// of the diagonal.
+fn reach(body: &Body<'_>, samples: &[Sample<'_>], diagonal: f64) -> f32 {
+    let mut reach = 0.01 * diagonal as f32;
     for s in samples {
         let longest = s.field.iter().fold(0.0f32, |m, u| m.max(u.length_squared()));
         for (p, _) in body.points.iter().zip(s.field).filter(|(_, u)| u.length_squared() > 1e-4 * longest) {
@@ -210,6 +211,8 @@ struct Draft {
     carried: Vec<f32>,
     /// What the others miss of the logarithms of sizes.
     missed: Vec<f64>,
+    /// Relative L2 errors of the carried part alone.
+    errors: Vec<f64>,
     score: f64,
 }
 
@@ -342,13 +345,15 @@ impl Data<'_> {
             }
         }
         // How well the carried part alone tells the directions of the samples themselves.
-        let score = (0..n).filter(|i| images[*i].mirror == Mirror::NONE).map(|i| {
+        let error = |i: usize| {
             let (c, y) = (&carried[i * columns..(i + 1) * columns], &unit[i * columns..(i + 1) * columns]);
             let cosine = dot32(c, y) / dot32(c, c).sqrt().max(1e-30);
             let sine = (1.0 - cosine * cosine.abs()).max(0.0).sqrt();
-            (sine * sine + missed[i] * missed[i]).sqrt().min(2.0).sqrt()
-        });
-        let score = score.sum();
+            (sine * sine + missed[i] * missed[i]).sqrt().min(2.0)
+        };
+        let errors: Vec<f64> = (0..n).map(error).collect();
+        let own = (0..n).filter(|i| images[*i].mirror == Mirror::NONE);
+        let score = own.map(|i| errors[i].sqrt()).sum();
         let model = Model {
             points: Points::new(&points),
             rows: points,
@@ -362,16 +367,16 @@ impl Data<'_> {
             far: 1.0,
             ..Model::default()
         };
-        Some(Draft { model, images, groups, unit, carried, missed, score })
+        Some(Draft { model, images, groups, unit, carried, missed, errors, score })
     }
 
     /// Learns the anchored part, its share and the factor on sizes.
     fn finish(&self, draft: Draft, blows: bool) -> Model {
-        let Draft { mut model, images, groups, unit, carried, missed, .. } = draft;
+        let Draft { mut model, images, groups, unit, carried, missed, errors, .. } = draft;
         let (n, columns) = (images.len(), 3 * self.body.points.len());
         let row = |rows: &'_ [f32], i: usize| -> Vec<f32> { rows[i * columns..(i + 1) * columns].to_vec() };
         if groups.len() < LEAST_GROUPS {
-            model.errors = vec![1.0; n];
+            model.errors = if groups.len() > 1 { errors } else { vec![1.0; n] };
             return model;
         }
         let used = some_rows(&groups, FIT_ROWS);

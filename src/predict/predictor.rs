@@ -178,7 +178,7 @@ fn strike(blow: &Blow, normal: Vec3, typical: &Typical) -> Option<Strike> {
 pub(super) fn displacement_point(u: Vec3, place: Vec3, normal: Vec3, diagonal: f64) -> Option<Point> {
     let u = u.as_dvec3();
     let depth = u.length();
-    if depth.is_nan() || depth <= 1e-9 {
+    if depth.is_nan() || depth <= 0.0 {
         return None;
     }
     let n = normal.as_dvec3();
@@ -197,17 +197,6 @@ impl Predictor {
     /// Whether blows can be predicted: some sample knows its own.
     pub fn knows_blows(&self) -> bool {
         self.blow.is_some()
-    }
-
-    /// Whether displacements can be predicted.
-    pub fn knows_displacements(&self) -> bool {
-        self.displacement.is_some()
-    }
-
-    /// Forgets what predicts blows, and displacements, unless it is to be kept.
-    pub fn keep(&mut self, [blows, displacements]: [bool; 2]) {
-        self.blow = self.blow.take().filter(|_| blows);
-        self.displacement = self.displacement.take().filter(|_| displacements);
     }
 
     /// Bytes of the arrays.
@@ -267,7 +256,9 @@ impl Predictor {
         let view = View::new(&self.frames, hit.contact, hit.normal, self.diagonal, wide);
         view.turned(&s.stamp, v / wide as f32, &mut s.turned);
         let far = END * self.reach;
-        let (mut sums, mut contact, mut least) = ([0.0f64; 4], 0, f32::INFINITY);
+        // Of the point nearest to the contact, and how it would move without held rims.
+        let (mut contact, mut least, mut open) = (0, f32::INFINITY, Vec3::ZERO);
+        let mut sums = [0.0f64; 4];
         s.fours.clear();
         let points = self.points.chunks(4).zip(self.normals.chunks(4)).zip(s.field.as_chunks::<3>().0.chunks(4));
         for (first, ((points, normals), field)) in (0..).step_by(4).zip(points) {
@@ -275,7 +266,8 @@ impl Predictor {
             let at = side_by_side(points, f32::INFINITY);
             let distances = squares(&std::array::from_fn(|k| at[k] - hit.contact[k]));
             let nearest = distances.min_element();
-            if nearest < least {
+            let is_nearest = nearest < least;
+            if is_nearest {
                 let here = distances.to_array();
                 contact = first + (0..4).find(|i| here[*i] == nearest).unwrap_or_default();
                 least = nearest;
@@ -289,6 +281,9 @@ impl Predictor {
             let share = Vec4::from([0, 1, 2, 3].map(|i| held(&self.held, first + i)));
             let anchored = side_by_side(bytemuck::cast_slice(field), 0.0);
             let mut sum: Four = std::array::from_fn(|k| anchored[k] * w + carried[k] * share);
+            if is_nearest {
+                open = Vec3::from([0, 1, 2].map(|k| (anchored[k] * w + carried[k])[contact % 4]));
+            }
             if distances.max_element() > self.reach * self.reach {
                 let off = distances.to_array().map(|d| d.sqrt() / self.reach);
                 let t = ((Vec4::from(off) - END) / (1.0 - END)).clamp(Vec4::ZERO, Vec4::ONE);
@@ -300,21 +295,23 @@ impl Predictor {
             s.fours.push(sum);
         }
         let mut total = (sums[0] + sums[1]) + (sums[2] + sums[3]);
-        if total.is_nan() || total <= 0.0 {
+        let own = own::nearest(&model.rows, &x);
+        if total.is_nan() || total <= 0.0 && own.is_none() {
             return (Prediction { expected_error: (errors / all) as f32, ..Prediction::default() }, &[]);
         }
-        let own = own::nearest(&model.rows, &x);
         let exact = own.map_or(0.0, |(_, weight)| weight as f32);
         if let Some((i, _)) = own {
             let (example, mirror) = model.examples[i];
             let length = (-model.logs[i]).min(300.0);
             let k = exact * exp(length) as f32;
             let partners = self.partners.iter().find(|(m, _)| *m == mirror && mirror != Mirror::NONE);
-            let left = (f64::from(1.0 - exact) / total.sqrt()) as f32;
+            let left = (f64::from(1.0 - exact) / total.sqrt().max(1e-30)) as f32;
             s.fours.iter_mut().flatten().for_each(|u| *u *= left);
+            open *= left;
             fields.moved(self.order[example as usize] as usize, &mut |v, u| {
                 let v = partners.map_or(v, |(_, p)| p[v] as usize);
                 let u = mirror.direction(u) * k;
+                open += if v == contact { u } else { Vec3::ZERO };
                 (0..3).for_each(|axis| s.fours[v / 4][axis][v % 4] += u[axis]);
             });
             let each = s.fours.iter().flat_map(|u| squares(u).to_array());
@@ -323,8 +320,7 @@ impl Predictor {
 
         // Of the field with a size of 1.
         let unit = (1.0 / total.sqrt()) as f32;
-        let at = |v: usize| Vec3::from(s.fours[v / 4].map(|along| along[v % 4]));
-        let there = (at(contact) * unit).length();
+        let there = (open * unit).length();
         let mut size = exp(log.clamp(-40.0, 20.0)) as f32;
         match told {
             Some(depth) => {
@@ -351,6 +347,6 @@ impl Predictor {
             };
             *fours = fours.map(|along| along * (scale * kept));
         }
-        (Prediction { size, depth: there * size, expected_error: (errors / all) as f32 }, &s.fours)
+        (Prediction { size, depth: there * size, expected_error: (errors / all) as f32 * (1.0 - exact) }, &s.fours)
     }
 }

@@ -114,7 +114,7 @@ impl View {
         let r: Four = std::array::from_fn(|k| points[k] - self.contact[k]);
         let [x, y, z] = [self.frame.x_axis, self.frame.y_axis, self.frame.z_axis].map(|axis| dots(&r, axis));
         // The surface around the contact, unrolled on a plane.
-        let unroll = one + 0.5 * (z * z / (x * x + y * y).max(Vec4::splat(1e-12))).min(two);
+        let unroll = one + 0.5 * (z * z / (x * x + y * y).max(Vec4::splat(1e-10 * self.near * self.near))).min(two);
         let place = |q: Vec4| q / (q.abs() + self.near) * self.scale + 0.5 * (SIDE - 1) as f32;
         let (a, b) = (place(x * unroll), place(y * unroll));
         let last = Vec4::splat((SIDE - 1) as f32);

@@ -2,7 +2,6 @@
 
 use crate::damage::mark::Mark;
 use crate::example::blow::Blow;
-use crate::mesh::mirror::Mirror;
 use std::num::NonZeroU64;
 
 /// The space that a hit is given in.
@@ -23,7 +22,7 @@ pub enum Cause {
     /// once with its whole impulse, or in parts with an id ([`Hit::contact`]).
     ///
     /// If any example of the set knows its blow, the set predicts the target displacement
-    /// ([`ExampleSet::response`](crate::ExampleSet::response)); the more of the blow is known, the nearer it is.
+    /// ([`ExampleSet::predicts_blows`](crate::ExampleSet::predicts_blows)); the more of the blow is known, the nearer it is.
     /// Otherwise the target is the paper's `impulse * duration / mass` (Eq. 4.4), which needs the duration. Do not pass
     /// the engine's time step as duration, because dents would depend on it; pass a constant of the material.
     Impulse {
@@ -96,7 +95,7 @@ pub enum HitStatus {
     Marked = 0,
     /// It is below a yield threshold, or its target is shorter than a millionth of the depth limit.
     BelowYield = 1,
-    /// No example moves the contact vertex towards the target.
+    /// No example tells of a dent there.
     NothingReaches = 2,
     /// Alone it would leave no mark, but it adds to its contact.
     Accumulated = 3,
@@ -105,19 +104,13 @@ pub enum HitStatus {
     Rigid = 4,
 }
 
-/// An example chosen for a hit.
+/// The example that a classic rule blends towards.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Chosen {
     /// Index of the example.
     pub example: u32,
-    /// Its share of the dent. Shares sum to 1. A negative share corrects others that overshoot.
-    pub share: f32,
     /// Factor for its displacements.
-    pub scale: f32,
-    /// Whether the example stays where it was made.
-    pub anchored: bool,
-    /// The planes that the example is mirrored in.
-    pub mirror: Mirror,
+    pub weight: f32,
 }
 
 /// The outcome of a hit.
@@ -135,12 +128,12 @@ pub struct Outcome {
     pub achieved: [f32; 3],
     /// Whether the target was longer than the depth limit, of the instance or of the contact vertex, and was shortened to it.
     pub clamped: bool,
-    /// The examples chosen, the largest share first.
-    pub chosen: [Option<Chosen>; 4],
+    /// What a classic rule chose. `None` with the rule `Marks`.
+    pub classic: Option<Chosen>,
     /// The mark that the hit leaves. `None` with the classic rules.
     pub mark: Option<Mark>,
-    /// The relative L2 error that is expected of its dent, if the set has learned to predict it: 1 is the error of no dent at all. Where it
-    /// is large, one more example would help.
+    /// The relative L2 error that is expected of the mark's dent: 1 is the error of no dent at all. Where it is large, one more example
+    /// would help.
     pub expected_error: Option<f32>,
 }
 

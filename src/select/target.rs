@@ -5,10 +5,9 @@ use super::landing::Landing;
 use crate::base::error::Error;
 use crate::base::error::positive;
 use crate::base::math::to_f32;
-use crate::damage::mark::{MAX_PAIRS, Mark};
+use crate::damage::mark::Mark;
 use crate::damage::told::{Told, predicted};
 use crate::example::blow::Blow;
-use crate::example::response::Strike;
 use crate::example::set::ExampleSet;
 use crate::mesh::{finite, nearest::Nearest};
 use glam::{DMat3, DVec3, Vec3};
@@ -21,7 +20,6 @@ const NEGLIGIBLE: f64 = 1e-6;
 #[derive(Debug, Clone)]
 pub(crate) struct HitParams {
     pub selection: Selection,
-    pub examples_per_hit: usize,
     pub depth_limit: f32,
     pub yield_impulse: f32,
     pub yield_displacement: f32,
@@ -52,20 +50,18 @@ impl HitParams {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct HitTarget {
     pub contact: u32,
-    /// The contact's unit normal, if the mesh has normals.
-    pub normal: Option<Vec3>,
     /// Unit vector.
     pub direction: Vec3,
     /// Length, m. At most the depth limit, unless selection is unclamped.
     pub size: f32,
-    /// The blow, if the target was predicted from it.
-    pub strike: Option<Strike>,
-    /// The same in a set that has learned.
-    pub told: Option<Told>,
+    /// The contact's unit normal; against the hit if the mesh has no normals.
+    pub normal: Vec3,
+    /// What a mark holds of the hit.
+    pub told: Told,
 }
 
 /// Computes the target of a hit. There is none if the hit is too weak; the outcome's status is then `BelowYield`.
-/// Otherwise the status is `NothingReaches` until an example is chosen.
+/// Otherwise the status is `NothingReaches` until it is known what moves.
 pub(crate) fn resolve(set: &ExampleSet, p: &HitParams, hit: &Hit) -> Result<(Outcome, Option<HitTarget>), Error> {
     check(hit)?;
     let contact = contact(set, p, p.local(hit.point, hit.space))?;
@@ -82,27 +78,22 @@ pub(crate) fn resolve(set: &ExampleSet, p: &HitParams, hit: &Hit) -> Result<(Out
         let v = DVec3::from_array(v.map(f64::from));
         if hit.space == Space::World { p.world_to_local * v } else { v }
     };
-    let mut told = None;
-    let (target, strike, weak) = match hit.cause {
-        Cause::Displacement(d) => (vector(d), None, false),
+    let mut strike = None;
+    let (target, weak) = match hit.cause {
+        Cause::Displacement(d) => (vector(d), false),
         Cause::Impulse { blow, mass: m } => {
             let impulse = impulse_of(&blow)?;
             let weak = DVec3::from_array(impulse.map(f64::from)).length() < f64::from(p.yield_impulse);
-            match set.response() {
-                Some(_) if let Some(rule) = set.rule().filter(|rule| rule.predicts()[0]) => {
-                    let blow = p.local_blow(&blow, hit.space);
-                    told = normal.and_then(|n| rule.strike(&blow, n)).map(Told::Strike);
-                    (told.map_or(DVec3::ZERO, |told| aimed(set, contact.vertex, &told)), None, weak)
-                }
-                Some(response) => {
-                    let blow = p.local_blow(&blow, hit.space);
-                    let at = set.mesh().positions()[contact.vertex as usize];
-                    let predicted = response.predict(&blow, at, normal);
-                    predicted.map_or((DVec3::ZERO, None, weak), |p| (p.displacement, Some(p.strike), weak))
-                }
-                None if let Some(compliance) = p.compliance => (vector(impulse) * f64::from(compliance), None, weak),
+            if set.predicts_blows() {
+                let normal = normal.unwrap_or(-vector(impulse).normalize_or_zero().as_vec3());
+                let known = set.rule().strike(&p.local_blow(&blow, hit.space), normal);
+                strike = known.map(|strike| (Told::Strike(strike), normal));
+                (strike.map_or(DVec3::ZERO, |(told, normal)| aimed(set, contact.vertex, &told, normal)), weak)
+            } else if let Some(compliance) = p.compliance {
+                (vector(impulse) * f64::from(compliance), weak)
+            } else {
                 // Equation 4.4 of the paper.
-                None => (vector(impulse) * (f64::from(duration_of(&blow)?) / f64::from(mass(m)?)), None, weak),
+                (vector(impulse) * (f64::from(duration_of(&blow)?) / f64::from(mass(m)?)), weak)
             }
         }
     };
@@ -114,7 +105,7 @@ pub(crate) fn resolve(set: &ExampleSet, p: &HitParams, hit: &Hit) -> Result<(Out
         target: to_f32(target),
         achieved: [0.0; 3],
         clamped: false,
-        chosen: [None; MAX_PAIRS],
+        classic: None,
         mark: None,
         expected_error: None,
     };
@@ -135,14 +126,13 @@ pub(crate) fn resolve(set: &ExampleSet, p: &HitParams, hit: &Hit) -> Result<(Out
     outcome.clamped = length > f64::from(limit) && p.selection != Selection::ClassicUnclamped;
     let size = if outcome.clamped { limit } else { length.min(f64::from(f32::MAX)) as f32 };
     let direction = (target / length).as_vec3();
-    Ok((outcome, Some(HitTarget { contact: contact.vertex, normal, direction, size, strike, told })))
+    let (told, normal) = strike.unwrap_or((Told::Displacement(direction), normal.unwrap_or(-direction)));
+    Ok((outcome, Some(HitTarget { contact: contact.vertex, normal, direction, size, told })))
 }
 
 /// The displacement of a contact that the set predicts of a blow, m.
-fn aimed(set: &ExampleSet, contact: u32, told: &Told) -> DVec3 {
-    let normal = set.mesh().contact_normal(contact).unwrap_or(Vec3::Z);
-    let mark = Mark { contact, depth: 1.0, energy: Mark::ONE, pairs: told.pairs(normal) };
-    predicted(set, &mark).map_or(DVec3::ZERO, |p| p.moved.as_dvec3())
+fn aimed(set: &ExampleSet, contact: u32, told: &Told, normal: Vec3) -> DVec3 {
+    predicted(set, &Mark::new(contact, 1.0, told, normal)).moved.as_dvec3()
 }
 
 fn check(hit: &Hit) -> Result<(), Error> {

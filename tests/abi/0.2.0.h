@@ -131,7 +131,6 @@ typedef struct CrumpleExampleSetInfo {
     uint32_t lod_count;
     uint32_t blow_count;
     float field_error;
-    float depth_error;
     uint64_t reserved[2];
 } CrumpleExampleSetInfo;
 typedef struct CrumpleStream {
@@ -150,12 +149,11 @@ typedef struct CrumpleMeshCopyDef {
 } CrumpleMeshCopyDef;
 typedef struct CrumpleInstanceDef {
     uint32_t struct_size;
-    uint32_t examples_per_hit;
+    uint32_t mark_capacity;
     CrumpleExampleSet set;
     uint64_t user_data;
     CrumpleRule rule;
     CrumpleSelection selection;
-    uint32_t mark_capacity;
     float depth_limit;
     float yield_impulse;
     float yield_displacement;
@@ -200,23 +198,17 @@ typedef struct CrumpleHitDef {
     CrumpleStriker striker;
     uint64_t contact_id;
 } CrumpleHitDef;
-typedef struct CrumpleChosen {
-    uint32_t example;
-    float share;
-    float scale;
-    bool anchored;
-    uint8_t mirror;
-    uint16_t reserved;
-} CrumpleChosen;
-typedef struct CrumplePair {
-    uint16_t example;
-    uint16_t share;
-} CrumplePair;
 typedef struct CrumpleMark {
     uint32_t contact;
     float depth;
     uint64_t hits;
-    CrumplePair pairs[4];
+    uint16_t told;
+    uint16_t striker;
+    uint16_t direction[2];
+    uint16_t strength;
+    uint16_t mass;
+    uint16_t radius;
+    uint16_t reserved;
 } CrumpleMark;
 typedef struct CrumpleHitResult {
     CrumpleHitStatus status;
@@ -224,11 +216,9 @@ typedef struct CrumpleHitResult {
     float contact_distance;
     CrumpleVec3 target;
     CrumpleVec3 achieved;
-    uint32_t chosen_count;
-    bool clamped;
-    CrumpleChosen chosen[4];
-    CrumpleMark mark;
     float expected_error;
+    bool clamped;
+    CrumpleMark mark;
     uint32_t reserved[7];
 } CrumpleHitResult;
 typedef struct CrumpleContactOptionsDef {
@@ -397,11 +387,6 @@ typedef enum CrumpleContactKind {
     CRUMPLE_CONTACT_KIND_VERTEX = 1,
     CRUMPLE_CONTACT_KIND_POINT = 2,
 } CrumpleContactKind;
-typedef enum CrumplePlacement {
-    CRUMPLE_PLACEMENT_AUTOMATIC = 0,
-    CRUMPLE_PLACEMENT_ANCHORED = 1,
-    CRUMPLE_PLACEMENT_CARRIED = 2,
-} CrumplePlacement;
 typedef enum CrumpleIndexType {
     CRUMPLE_INDEX_TYPE_U32 = 0,
     CRUMPLE_INDEX_TYPE_U16 = 1,
@@ -428,7 +413,6 @@ typedef struct CrumpleExampleDef {
     float duration;
     CrumpleStriker striker;
     bool has_contact_normal;
-    CrumplePlacement placement;
 } CrumpleExampleDef;
 typedef struct CrumpleMeshDef {
     uint32_t struct_size;
@@ -446,7 +430,7 @@ typedef struct CrumpleExampleSetOptions {
     float depth_limit;
     float drop_below;
     float vertex_mass;
-    uint32_t stamp_resolution;
+    float basis_tolerance;
     float bake_tolerance;
     float bake_normal_tolerance;
     CrumpleInput vertex_masses;
@@ -475,19 +459,15 @@ typedef struct CrumpleExampleInfo {
     float depth;
     float max_depth;
     float support_radius;
-    CrumplePlacement placement;
     float field_error;
-    float depth_error;
     uint64_t reserved;
 } CrumpleExampleInfo;
 typedef struct CrumpleDamageMapping {
     uint32_t kept;
     uint32_t moved;
     uint32_t too_far;
-    uint32_t without_example;
+    uint32_t without_blows;
     float distance;
-    uint32_t missing_examples;
-    uint32_t first_missing_example;
     uint32_t reserved[3];
 } CrumpleDamageMapping;
 #ifdef __cplusplus

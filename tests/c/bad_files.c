@@ -24,7 +24,6 @@ static unsigned char *slurp(const char *path, size_t *size) {
 // From memory of exactly this size, so that a read past its end is seen by valgrind and the sanitizers.
 static CrumpleResult load(const unsigned char *bytes, size_t size) {
     CrumpleGltfDef def = crumple_gltf_def_default();
-    def.options.stamp_resolution = 4;
     unsigned char *copy = malloc(size ? size : 1);
     memcpy(copy, bytes, size);
     memset(&set, 0xAB, sizeof set);

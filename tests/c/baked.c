@@ -7,7 +7,6 @@ static Sheet sheet;
 static CrumpleExampleSet make(void) {
     CrumpleExampleSet set;
     make_sheet(&sheet);
-    sheet.def.options.stamp_resolution = 8;
     sheet.def.options.bake_tolerance = 1e-4f;
     OK(crumple_example_set_create(context, &sheet.def, &set));
     return set;

@@ -96,7 +96,6 @@ static void make_plate(void) {
     plate.def.mesh = &plate.mesh;
     plate.def.examples = &plate.example;
     plate.def.example_count = 1;
-    plate.def.options.stamp_resolution = 4;
 }
 
 static void write_file(const char *path, const void *bytes, size_t size) {

@@ -136,7 +136,6 @@ static inline void make_sheet(Sheet *sheet) {
     sheet->def.mesh = &sheet->mesh;
     sheet->def.examples = sheet->examples;
     sheet->def.example_count = EXAMPLES;
-    sheet->def.options.stamp_resolution = 12; // fast
 }
 
 static inline CrumpleContext *make_context(uint32_t threads) {

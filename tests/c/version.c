@@ -19,9 +19,9 @@ int main(void) {
 
     // Sizes that bindings in other languages count on.
     FACT(sizeof(CrumpleResult) == 4 && sizeof(CrumpleExampleSet) == 8 && sizeof(CrumpleInstance) == 8);
-    FACT(sizeof(CrumpleBuffer) == 8 && sizeof(CrumpleVec3) == 12 && sizeof(CrumpleMark) == 32 && sizeof(CrumplePair) == 4);
+    FACT(sizeof(CrumpleBuffer) == 8 && sizeof(CrumpleVec3) == 12 && sizeof(CrumpleMark) == 32);
     FACT(sizeof(CrumpleAttachment) == 48 && sizeof(CrumplePose) == 48 && sizeof(bool) == 1);
-    FACT(sizeof(CrumpleHitResult) == 176 || sizeof(void*) < 8);
+    FACT(sizeof(CrumpleHitResult) == 112 || sizeof(void*) < 8);
 
     // Defs carry their own sizes.
     FACT(crumple_context_def_default().struct_size == sizeof(CrumpleContextDef));

@@ -136,7 +136,7 @@ int main() {
     const auto failed = body.submit_impulse(vec3(0, 0, 0), vec3(0, 0, -1), 0);
     FACT(!failed && failed.result() == CRUMPLE_ERROR_INVALID_ARGUMENT);
     FACT(failed.message().find("duration") != std::string::npos);
-    FACT(body.submit_impulse(vec3(0, 0, 0), vec3(0, 0, -1), 0).value_or(CrumpleHitResult{}).chosen_count == 0);
+    FACT(body.submit_impulse(vec3(0, 0, 0), vec3(0, 0, -1), 0).value_or(CrumpleHitResult{}).mark.hits == 0);
     auto named = context.create_instance(set);
     FACT(named.take().info().ok());
 #ifndef CRUMPLE_NO_EXCEPTIONS

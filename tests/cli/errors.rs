@@ -122,7 +122,6 @@ fn wrong_usage_is_exit_code_two() {
         ("apply PANEL -o x.glb", "--impacts"),
         ("apply PANEL --impacts i.json -o x.glb --rule blend=2", "from 0 to 1"),
         ("apply PANEL --impacts i.json -o x.glb --rule sum", "marks, most-displaced or blend=K"),
-        ("apply PANEL --impacts i.json -o x.glb --examples 5", "1..=4"),
         ("apply PANEL --impacts i.json -o x.glb --threads -1", "-1"),
         ("sample PANEL -o i.json --count 0", "--count"),
         ("apply PANEL --impacts i.json -o x.glb --size 320", "WIDTHxHEIGHT"),
@@ -152,7 +151,7 @@ fn baked_sets_are_not_sources_and_damage_in_them_is_found() {
     refused(&folder, "bake PANEL -o INout.crumple --tolerance 0.1", &["tolerance is 0.1 m", "did you mean 0.1 mm?"]);
     assert!(folder.names().is_empty());
     let out = folder.at("out.crumple");
-    crumple(&["bake", PANEL, "-o", &out, "--tolerance", "1mm", "--stamp-resolution", "4"]).report();
+    crumple(&["bake", PANEL, "-o", &out, "--tolerance", "1mm"]).report();
     refused(&folder, "bake INout.crumple -o INagain.crumple", &["baked already"]);
     refused(&folder, "info INout.crumple --mesh 0", &["is a baked set", "give these options to `crumple bake`"]);
     let mut bytes = std::fs::read(&out).expect("written");

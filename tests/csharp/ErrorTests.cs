@@ -62,7 +62,7 @@ static class ErrorTests
             broken(def => def.IndexCount--, CrumpleResult.ErrorInvalidArgument, "index_count");
             broken(def => def.SetTriangles(new[] { 0, 1, 99999 }), CrumpleResult.ErrorIndexOutOfRange, "99999");
             broken(def => def.SetTriangles(new[] { 0, 1, -1 }), CrumpleResult.ErrorIndexOutOfRange, "4294967295");
-            broken(def => def.Options.StampResolution = 3, CrumpleResult.ErrorInvalidArgument, "stamp_resolution");
+            broken(def => def.Options.BasisTolerance = -1, CrumpleResult.ErrorInvalidArgument, "basis_tolerance");
             broken(def => def.Positions = default(StridedArray), CrumpleResult.ErrorNullPointer, "positions");
             Check.Throws<ArgumentOutOfRangeException>(() => context.CreateExampleSet(new ExampleSetDef { VertexCount = -1 }), "VertexCount");
             Check.Throws<ArgumentNullException>(() => context.CreateExampleSet(null));

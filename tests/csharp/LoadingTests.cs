@@ -112,7 +112,6 @@ static class LoadingTests
                 PositionDeltas = StridedArray.Of(new[] { new CrumpleVec3(0, 0, -0.01f), new CrumpleVec3(0, 0, -0.02f) }),
                 ContactVertex = 3,
                 ContactNormal = new CrumpleVec3(0, 0, 2),
-                Placement = CrumplePlacement.Anchored,
             };
             def.Examples[1].ContactPoint = new CrumpleVec3(0.25f, 0.2f, 0);
             ExampleSet set = context.CreateExampleSet(def);
@@ -121,7 +120,6 @@ static class LoadingTests
             Check.Same(3u, sparse.Values.ContactVertex, "contact");
             Check.Same(2u, sparse.Values.MovedVertices, "moved");
             Check.Same(1f, sparse.Values.ContactNormal.Z, "normal");
-            Check.Same(CrumplePlacement.Anchored, sparse.Values.Placement, "placement");
             Check.Same((uint)set.NearestVertex(new CrumpleVec3(0.25f, 0.2f, 0), out _), set.GetExample(1).Values.ContactVertex, "point");
             CrumpleHitResult told = context.CreateInstance(set).SubmitImpulse(Sheet.Point(312, -1), new CrumpleVec3(0, 0, -4), 0.01f);
             Check.Near(-0.02f, told.Target.Z, 1e-7f, "4 N s, 0.01 s, 2 kg");

@@ -44,7 +44,6 @@ static class Sheet
         def.SetTriangles(Triangles());
         for (int e = 0; e < Examples; e++)
             def.Examples.Add(new ExampleDef { Name = "dent " + e, TargetPositions = StridedArray.Of(Points(e)) });
-        def.Options.StampResolution = 12; // fast
         return def;
     }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crumple::{ExampleSet, Instance, Placement, SetOptions};
+use crumple::{ExampleSet, Instance, SetOptions};
 
 use super::compare::Expected;
 use super::layout::TestLayout;
@@ -79,8 +79,7 @@ fn targets_beyond_the_budget_wait_whole() {
 /// Writes a dozen meshes in one buffer. Returns the number of dispatches.
 pub fn dozen(gpu: &mut Gpu) -> u32 {
     let mesh = scenes::sheet(16);
-    let mut examples = scenes::bowls(&mesh, 3, 0.3, 1);
-    examples.iter_mut().for_each(|e| e.placement = Placement::Anchored);
+    let examples = scenes::bowls(&mesh, 3, 0.3, 1);
     let set = scenes::build(mesh, examples, SetOptions::default());
     let mut instances: Vec<Instance> = (0..12).map(|i| folded(&set, 4, i)).collect();
     let size = TestLayout::everything(&set, 0, 0).size;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crumple::{ExampleSet, Instance, InstanceOptions, Mark, Mirror, Pair, Placement, Rule, Serial, SetOptions};
+use crumple::{ExampleSet, Instance, InstanceOptions, Mark, Rule, Serial, SetOptions};
 
 use super::compare::Expected;
 use super::layout::TestLayout;
@@ -24,19 +24,16 @@ pub fn sets() -> Vec<(String, Arc<ExampleSet>)> {
         all.push((format!("sheet in {name}"), sheet(options)));
     }
     all.push(("flat sheet".into(), sheet(SetOptions { depth_limit: Some(0.05), ..SetOptions::default() })));
-    for placement in [Placement::Anchored, Placement::Carried] {
-        let mesh = scenes::cube(12);
-        let mut examples = scenes::bowls(&mesh, 6, 0.4, 5);
-        examples.iter_mut().for_each(|e| e.placement = placement);
-        all.push((format!("{placement:?} cube"), scenes::build(mesh, examples, SetOptions::default())));
-    }
+    let cube = scenes::cube(12);
+    let bowls = scenes::bowls(&cube, 6, 0.4, 5);
+    all.push(("fine cube".into(), scenes::build(cube, bowls, SetOptions::default())));
     all.push(("limits".into(), limited()));
     let mut points = scenes::sheet(20);
     (points.normals, points.tangents, points.triangles) = (None, None, Vec::new());
     let poke = crumple::Deltas::Sparse { indices: vec![21, 22], values: vec![[0.02, 0.0, -0.1]; 2] };
-    let poke = crumple::ExampleData { placement: Placement::Anchored, ..crumple::ExampleData::new("poke", poke) };
+    let poke = crumple::ExampleData::new("poke", poke);
     all.push(("points".into(), scenes::build(points, vec![poke], SetOptions::default())));
-    all.push(("panel".into(), scenes::solver_set("panel", 6, Placement::Automatic)));
+    all.push(("panel".into(), scenes::solver_set("panel", 6)));
     all.push(("cube that has learned".into(), scenes::learned(&scenes::cube(6), 12, 6)));
     all
 }
@@ -51,28 +48,15 @@ fn limited() -> Arc<ExampleSet> {
     scenes::build(mesh, examples, SetOptions::default())
 }
 
-/// Marks that no selection would make.
+/// Marks that no hit would make.
 fn any_marks(set: &ExampleSet, count: usize, dice: &mut Dice) -> Vec<Mark> {
-    let one = |dice: &mut Dice| {
-        let share = 200 + dice.index(500) as i16;
-        let example = dice.index(set.examples().len()) as u16;
-        let stamped = set.examples()[usize::from(example)].stamp().is_some();
-        if stamped && dice.index(3) > 0 {
-            Pair::carried(example, share, Mirror::from_bits(dice.index(8) as u8))
-        } else {
-            Pair::anchored(example, share)
-        }
-    };
     let mut all = Vec::new();
     for _ in 0..count {
-        let mut pairs = [one(dice), Pair::NONE, Pair::NONE, Pair::NONE];
-        if dice.index(2) == 0 {
-            let example = dice.index(set.examples().len()) as u16;
-            pairs[1] = Pair::anchored(example, -150);
-        }
         let depth = set.depth_limit() * dice.between(0.01, 2.0);
         let energy = [1 << 20, Mark::ONE, 5 * Mark::ONE][dice.index(3)];
-        all.push(Mark { contact: dice.index(set.vertex_count()) as u32, depth, energy, pairs });
+        let (contact, direction) = (dice.index(set.vertex_count()) as u32, [dice.next() as u16, dice.next() as u16]);
+        let (told, striker, strength, mass, radius, reserved) = (0, 0, 0, 0, 0, 0);
+        all.push(Mark { contact, depth, energy, told, striker, direction, strength, mass, radius, reserved });
     }
     all
 }

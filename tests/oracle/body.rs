@@ -6,7 +6,6 @@ use super::vector::{V, add, length, scale, sub};
 
 /// `v` with x negated if bit 0 of `planes` is set, y if bit 1 is, z if bit 2 is.
 pub fn mirrored(v: V, planes: u8) -> V {
-    // no -0: the axes of a frame depend on the sign of its normal's z
     [0, 1, 2].map(|k| 0.0 + if planes >> k & 1 == 1 { -v[k] } else { v[k] })
 }
 
@@ -17,7 +16,7 @@ pub fn mirrored_point(p: V, planes: u8, centre: V) -> V {
 
 /// The coordinate planes through the middle of the bounds that map 99 % of the vertices to within a thousandth of the
 /// diagonal from another. There is none across an axis along which the body is at most twice that thick.
-pub fn mirror_planes(positions: &[V]) -> (u8, V, f64) {
+pub fn mirror_planes(positions: &[V]) -> u8 {
     let (mut low, mut high) = (positions[0], positions[0]);
     for p in positions {
         low = [0, 1, 2].map(|k| low[k].min(p[k]));
@@ -40,7 +39,7 @@ pub fn mirror_planes(positions: &[V]) -> (u8, V, f64) {
             planes |= 1 << k;
         }
     }
-    (planes, centre, diagonal)
+    planes
 }
 
 /// Vertices on held rims, with every copy at a seam. A rim is a loop of edges that belong to one triangle only. It is
@@ -114,11 +113,4 @@ pub fn held_vertices(positions: &[V], triangles: &[[u32; 3]], fields: &[&[V]], c
     }
     held.sort_unstable();
     held
-}
-
-/// The factor for what is carried: `s²(3 - 2s)`, where `s` is the distance to the nearest held vertex over 3 % of the diagonal.
-pub fn window(p: V, positions: &[V], held: &[usize], diagonal: f64) -> f64 {
-    let near = held.iter().map(|h| length(sub(p, positions[*h]))).fold(f64::INFINITY, f64::min);
-    let s = (near / (0.03 * diagonal)).min(1.0);
-    s * s * (3.0 - 2.0 * s)
 }

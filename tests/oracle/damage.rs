@@ -3,16 +3,17 @@
 
 use std::collections::BTreeMap;
 
-use crumple::{Mark, Pair};
+use crumple::Mark;
 
 use super::Model;
 use super::marks::POWER;
 
-/// Contact, depth (its bits) and pairs. Marks with the same key are one. Marks are kept in this order.
-pub type Key = (u32, u32, [Pair; 4]);
+/// Contact, depth (its bits) and the numbers of the hit. Marks with the same key are one. Marks are kept in this order.
+pub type Key = (u32, u32, [u16; 8]);
 
 pub fn key(mark: &Mark) -> Key {
-    (mark.contact, mark.depth.to_bits(), mark.pairs)
+    let Mark { told, striker, direction: [x, y], strength, mass, radius, reserved, .. } = *mark;
+    (mark.contact, mark.depth.to_bits(), [told, striker, x, y, strength, mass, radius, reserved])
 }
 
 /// Marks as a plain map.
@@ -66,7 +67,11 @@ impl Ledger {
     }
 
     pub fn marks(&self) -> Vec<Mark> {
-        let of = |(k, e): (&Key, &u64)| Mark { contact: k.0, depth: f32::from_bits(k.1), energy: *e, pairs: k.2 };
+        let of = |(k, e): (&Key, &u64)| {
+            let [told, striker, x, y, strength, mass, radius, reserved] = k.2;
+            let (depth, direction) = (f32::from_bits(k.1), [x, y]);
+            Mark { contact: k.0, depth, energy: *e, told, striker, direction, strength, mass, radius, reserved }
+        };
         self.energies.iter().map(of).collect()
     }
 }

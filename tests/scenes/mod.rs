@@ -13,8 +13,8 @@ use proptest::test_runner::RngSeed;
 use crumple::glam::Vec3;
 use crumple::{
     BasisOptions, Blow, Cause, Contact, DeformJob, DeformReport, Deltas, ExampleData, ExampleSet, Hit, Instance,
-    InstanceOptions, MeshData, Placement, Serial, SetOptions, Space, Striker, StrikerShape, TaskSystem, ThreadPool,
-    Tracker, VertexMemory, deform,
+    InstanceOptions, MeshData, Serial, SetOptions, Space, Striker, StrikerShape, TaskSystem, ThreadPool, Tracker,
+    VertexMemory, deform,
 };
 
 pub use solver::solver;
@@ -303,7 +303,7 @@ pub fn bowls(mesh: &MeshData, count: usize, radius: f32, seed: u64) -> Vec<Examp
         .collect()
 }
 
-/// Files of these sets have whole examples, so that what is loaded may learn again and take classic rules.
+/// Files of these sets have whole examples, so that what is loaded takes classic rules.
 pub fn build(mesh: MeshData, examples: Vec<ExampleData>, options: SetOptions) -> Arc<ExampleSet> {
     let options = SetOptions { whole_examples: true, ..options };
     Arc::new(ExampleSet::build(mesh, examples, options, &Serial).expect("a well-formed scene"))
@@ -346,15 +346,13 @@ pub fn small_bodies() -> Vec<Body> {
 /// The synthetic bodies and the solver's panel.
 pub fn bodies() -> Vec<Body> {
     let mut all = small_bodies();
-    all.push(("panel", solver_set("panel", 8, Placement::Automatic)));
+    all.push(("panel", solver_set("panel", 8)));
     all
 }
 
-/// The same set with a node at every position, so that its vertices are where its marks say, up to rounding.
-pub fn every_node(set: &ExampleSet) -> Arc<ExampleSet> {
-    let mut set = ExampleSet::load_copy(&set.save().unwrap(), &Serial).unwrap();
-    set.learn_basis(&BasisOptions { tolerance: 1e9, rounds: 0, nodes: usize::MAX }, &Serial).unwrap();
-    Arc::new(set)
+/// Options with a node at every position, so that vertices are where marks say, up to rounding.
+pub fn every_node(options: SetOptions) -> SetOptions {
+    SetOptions { basis: Some(BasisOptions { tolerance: 1e9, rounds: 0, nodes: usize::MAX }), ..options }
 }
 
 /// A bowl at a vertex, as deep as a law of its blow's energy (J) and of its place along x says.
@@ -371,24 +369,19 @@ pub fn blow(energy: f32, normal: [f32; 3]) -> Blow {
     Blow::of_striker(Striker { mass: Some(5.0), velocity, radius: Some(0.1), shape: StrikerShape::Ball })
 }
 
-/// A set that has learned from this many struck examples, spread over the mesh.
+/// A set of this many struck examples, spread over the mesh.
 pub fn learned(mesh: &MeshData, count: usize, seed: u64) -> Arc<ExampleSet> {
     let mut dice = Dice::new(seed);
     let first = dice.index(mesh.positions.len());
     let places = spread(&mesh.positions, count, first);
     let examples = places.into_iter().map(|v| struck(mesh, v, dice.between(20.0, 400.0))).collect();
-    let options = SetOptions { whole_examples: true, ..SetOptions::default() };
-    let mut set = ExampleSet::build(mesh.clone(), examples, options, &Serial).unwrap();
-    let report = set.learn_rule(&Serial).unwrap();
-    assert!(report.blows && report.displacements, "the rule is not used: {report:?}");
-    Arc::new(set)
+    build(mesh.clone(), examples, SetOptions::default())
 }
 
-/// A solver body with its first `count` examples in the given placement.
-pub fn solver_set(body: &str, count: usize, placement: Placement) -> Arc<ExampleSet> {
+/// A solver body with its first `count` examples.
+pub fn solver_set(body: &str, count: usize) -> Arc<ExampleSet> {
     let (mesh, mut examples) = solver(body);
     examples.truncate(count);
-    examples.iter_mut().for_each(|e| e.placement = placement);
     build(mesh, examples, SetOptions::default())
 }
 
@@ -511,6 +504,11 @@ pub fn relative_l2(is: &[Vec3], ought: &[Vec3]) -> f64 {
 /// An instance with default options.
 pub fn new(set: &Arc<ExampleSet>) -> Instance {
     Instance::new(set.clone(), InstanceOptions::default()).unwrap()
+}
+
+/// What tells marks apart: all but the energy.
+pub fn key(mark: &crumple::Mark) -> Vec<u8> {
+    bytemuck::bytes_of(&crumple::Mark { energy: 0, ..*mark }).to_vec()
 }
 
 /// FNV-1a: a hash that needs no crate and is the same on every platform.

@@ -122,6 +122,6 @@ fn lay_out(workspace: &Workspace, modules: &Path, out: &Path) -> Result<()> {
     cmd!(workspace.shell, "{program} bake {car} --join --one-mesh -o {set}").quiet().ignore_stdout().run()?;
     let none = out.join("impacts.json");
     fs::write(&none, "[]")?;
-    command.apply(&car, &none, &out.join("car.glb"), None, &["--join", "--examples", "1"])?;
+    command.apply(&car, &none, &out.join("car.glb"), None, &["--join"])?;
     fs::remove_file(&none).context("removing the list of no impacts")
 }

@@ -88,8 +88,6 @@ def _property(mesh: bpy.types.Mesh, name: str) -> Any:
             return json.loads(value)
         except ValueError as error:
             raise Trouble(f"the custom property {name} of {mesh.name} is no JSON: {error}") from error
-    if hasattr(value, "to_dict"):
-        return value.to_dict()
     if isinstance(value, list) or hasattr(value, "to_list"):
         return [one.to_dict() if hasattr(one, "to_dict") else one for one in value]
     return value
@@ -108,30 +106,13 @@ def impacts(obj: bpy.types.Object) -> dict[str, dict[str, Any]]:
     return {name: {**entry, "name": name} for name, entry in zip(names, entries, strict=False)}
 
 
-def placements(obj: bpy.types.Object) -> dict[str, str]:
-    """The custom property `placements`, by the names of the examples."""
-    value = _property(obj.data, "placements") or {}
-    if isinstance(value, dict):
-        return value
-    names = [key.name for key in example_keys(obj)]
-    words = [word.strip() for word in value.split(",")] if isinstance(value, str) else value
-    if len(words) not in (1, len(names)):
-        raise Trouble(f"the custom property placements has {len(words)} words for {len(names)} examples")
-    return dict(zip(names, words * len(names) if len(words) == 1 else words, strict=False))
-
-
-def describe(obj: bpy.types.Object, told: dict[str, dict[str, Any]], placed: dict[str, str]) -> None:
-    """Writes the custom properties. Entries of shape keys that are gone are dropped."""
+def describe(obj: bpy.types.Object, told: dict[str, dict[str, Any]]) -> None:
+    """Writes the custom property `impacts`. Entries of shape keys that are gone are dropped."""
     keys = obj.data.shape_keys.key_blocks
-    values = {
-        "impacts": json.dumps([entry for entry in told.values() if entry["name"] in keys]) if told else None,
-        "placements": {name: word for name, word in placed.items() if name in keys},
-    }
-    for name, value in values.items():
-        if value:
-            obj.data[name] = value
-        elif name in obj.data:
-            del obj.data[name]
+    if told:
+        obj.data["impacts"] = json.dumps([entry for entry in told.values() if entry["name"] in keys])
+    elif "impacts" in obj.data:
+        del obj.data["impacts"]
 
 
 def attribute(mesh: bpy.types.Mesh, name: str) -> Floats | None:
@@ -245,23 +226,23 @@ def model(obj: bpy.types.Object) -> Model:
     keys = example_keys(obj)
     if not keys:
         raise Trouble(f"{obj.name} has no examples; sculpt some as shape keys, or press Make Examples")
-    told, placed = impacts(obj), placements(obj)
+    told = impacts(obj)
     base, faces = coordinates(obj.data.shape_keys.reference_key), triangles(obj.data)
     fields = [coordinates(key) - coordinates(key.relative_key) for key in keys]
     names = [key.name for key in keys]
     limit, stiff = limits(obj), stiffness(obj)
-    about = json.dumps([names, told, placed, limit is None, stiff is None], default=str).encode()
+    about = json.dumps([names, told, limit is None, stiff is None], default=str).encode()
     arrays = [base, faces, *fields, *(one for one in (limit, stiff) if one is not None)]
     digest = hashlib.blake2b(b"".join([about, *(one.tobytes() for one in arrays)])).digest()
     if digest not in _models:
-        examples = [_example(name, base + field, told.get(name), placed.get(name)) for name, field in zip(names, fields, strict=True)]
+        examples = [_example(name, base + field, told.get(name)) for name, field in zip(names, fields, strict=True)]
         close()
         _context = crumple.Context()
         _models[digest] = Model(_context.example_set(base, faces, examples, depth_limits=limit, stiffness=stiff), base, names, fields)
     return _models[digest]
 
 
-def _example(name: str, positions: Floats, told: dict[str, Any] | None, placed: str | None) -> crumple.Example:
+def _example(name: str, positions: Floats, told: dict[str, Any] | None) -> crumple.Example:
     example = crumple.Example(positions, name=name)
     if told is not None:
         if "point" not in told:
@@ -272,10 +253,6 @@ def _example(name: str, positions: Floats, told: dict[str, Any] | None, placed: 
         example.duration = told.get("duration") or 0.0
         velocity = z_up(striker.get("velocity") or (0, 0, 0))
         example.striker = crumple.Striker(striker.get("mass") or 0.0, striker.get("radius") or 0.0, velocity)
-    try:
-        example.placement = crumple.Placement[(placed or "automatic").strip().upper()]
-    except KeyError as error:
-        raise Trouble(f"the placement of {name} is {placed}; it must be automatic, anchored or carried") from error
     return example
 
 
@@ -380,7 +357,7 @@ def _copy(obj: bpy.types.Object, examples: bool) -> Iterator[bpy.types.Object]:
     """A copy for the exporter: at its place, selected alone, without dents, modifiers and what is switched off."""
     scene, name, own_name = bpy.context.scene, obj.data.name, obj.name
     keep = {key.name for key in example_keys(obj)} if examples else set()
-    told, placed = impacts(obj), placements(obj)
+    told = impacts(obj)
     numbers = (limits(obj), stiffness(obj)) if examples else (None, None)
     copy = obj.copy()
     copy.data = mesh = obj.data.copy()
@@ -398,7 +375,7 @@ def _copy(obj: bpy.types.Object, examples: bool) -> Iterator[bpy.types.Object]:
             else:
                 key.value = 0.0
         if mesh.shape_keys:
-            describe(copy, {k: v for k, v in told.items() if k in keep}, {k: v for k, v in placed.items() if k in keep})
+            describe(copy, {k: v for k, v in told.items() if k in keep})
             if not keep:
                 copy.shape_key_clear()
         for attribute_name, values in zip(ATTRIBUTES, numbers, strict=True):
@@ -441,16 +418,13 @@ def export_solids(obj: bpy.types.Object, path: Path) -> bool:
 
 def report(info: crumple.SetInfo, examples: list[crumple.ExampleInfo]) -> list[str]:
     """What the library says of a set, as `crumple info` does."""
-    known = lambda error: "unknown" if error is None else f"{error:.2f}"  # noqa: E731
     millimetres = 1000 * metre()
     lines = [
         f"{info.vertex_count} vertices, {info.triangle_count} triangles, {info.example_count} examples",
         f"Memory: {info.memory_bytes / 1e6:.1f} MB for all copies",
         f"Depth limit: {millimetres * info.depth_limit:.1f} mm",
-        f"Error of a dent: {known(info.field_error)} (no dent: 1)",
-        f"{info.blow_count} know their blow; depth error: {known(info.depth_error)}",
+        f"Error of a dent: {info.field_error:.2f} (no dent: 1)",
+        f"{info.blow_count} know their blow",
     ]
-    for one in examples:
-        place = one.placement.name.lower()
-        lines.append(f"  {one.name}: {millimetres * one.depth:.1f} mm, moves {one.moved_vertices}, error {known(one.field_error)}, {place}")
+    lines += [f"  {one.name}: {millimetres * one.depth:.1f} mm, moves {one.moved_vertices}, error {one.field_error:.2f}" for one in examples]
     return lines

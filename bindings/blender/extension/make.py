@@ -183,8 +183,7 @@ class CRUMPLE_OT_make_examples(MeshOperator, bpy.types.Operator):
             key = obj.data.shape_keys.key_blocks.get(name) if obj.data.shape_keys else None
             if key is not None:
                 obj.shape_key_remove(key)
-        told, placed = bridge.impacts(obj), bridge.placements(obj)
-        told = {name: entry for name, entry in told.items() if name not in before}
+        told = {name: entry for name, entry in bridge.impacts(obj).items() if name not in before}
         if obj.data.shape_keys is None:
             obj.shape_key_add(name="Basis", from_mix=False)
         made = []
@@ -196,7 +195,7 @@ class CRUMPLE_OT_make_examples(MeshOperator, bpy.types.Operator):
             if name in entries:
                 told[key.name] = {**entries[name], "name": key.name}
         obj.data[MADE] = json.dumps(made)
-        bridge.describe(obj, told, placed)
+        bridge.describe(obj, told)
         model = bridge.model(obj)
         if obj.crumple_hits:
             bridge.show(obj)

@@ -121,13 +121,9 @@ class CRUMPLE_OT_hit(MeshOperator, bpy.types.Operator):
             if bridge.example_keys(obj):
                 bridge.show(obj)
             raise
-        names = bridge.model(obj).names
-        used = dict.fromkeys((names[one.example] for one in result.chosen), 0.0)
-        for one in result.chosen:
-            used[names[one.example]] += one.share
-        shares = ", ".join(f"{name} {share:.0%}" for name, share in used.items())
         cut = ", cut to the depth limit" if result.clamped else ""
-        self.report({"INFO"}, f"Dented by {1000 * bridge.metre() * np.linalg.norm(result.achieved):.1f} mm{cut}, from {shares}")
+        depth = 1000 * bridge.metre() * np.linalg.norm(result.achieved)
+        self.report({"INFO"}, f"Dented by {depth:.1f} mm{cut}; expected error {result.expected_error:.2f}")
 
     def fill(self, hit: Hit, obj: bpy.types.Object) -> None:
         if abs(obj.matrix_world.determinant()) < 1e-12:
@@ -260,14 +256,6 @@ class CRUMPLE_OT_mark(MeshOperator, bpy.types.Operator):
         name="Contact",
         items=[("DEEPEST", "Deepest Vertex", "The vertex that moves furthest"), ("CURSOR", "3D Cursor", "The vertex nearest to the 3D cursor")],
     )
-    placement: EnumProperty(
-        name="Placement",
-        items=[
-            ("automatic", "Automatic", "Crumple decides for each hit"),
-            ("anchored", "Anchored", "It stays where it was made"),
-            ("carried", "Carried", "It moves to the place that was hit"),
-        ],
-    )
     impulse: FloatProperty(name="Impulse (N s)", min=0, description="Of the blow, on the body. 0: mass times speed, or unknown")
     mass: FloatProperty(name="Mass", min=0, unit="MASS", description="Of the striker. 0: unknown")
     speed: FloatProperty(name="Speed", min=0, unit="VELOCITY", description="Of the striker. 0: unknown")
@@ -302,9 +290,7 @@ class CRUMPLE_OT_mark(MeshOperator, bpy.types.Operator):
             striker["velocity"] = bridge.y_up(-self.speed * normal)
         if striker:
             entry["striker"] = striker
-        impacts, placements = bridge.impacts(obj), bridge.placements(obj)
-        impacts[key.name], placements[key.name] = entry, self.placement
-        bridge.describe(obj, impacts, {name: word for name, word in placements.items() if word != "automatic"})
+        bridge.describe(obj, bridge.impacts(obj) | {key.name: entry})
         self.report({"INFO"}, f"{key.name} was hit at vertex {vertex}, {1000 * bridge.metre() * moved[vertex]:.1f} mm deep")
 
 
@@ -397,7 +383,7 @@ def troubles(obj: bpy.types.Object) -> list[str]:
         for name, other in zip(model.names[:number], model.fields, strict=False):
             if np.linalg.norm(field - other) < 0.01 * np.linalg.norm(field):
                 found.append(f"{one.name} repeats {name}: delete one")
-        if one.field_error is not None and one.field_error > 1:
+        if one.field_error > 1:
             found.append(f"{one.name} is unlike the others (error {one.field_error:.2f}): one more example near it helps most")
     return found
 
@@ -411,7 +397,7 @@ class CRUMPLE_OT_coverage(MeshOperator, bpy.types.Operator):
     kind: EnumProperty(
         name="Show",
         items=[
-            ("ERROR", "Expected Error", "Of a dent at each place, from the errors of the examples that the library would use. Red: 1, as bad as no dent"),
+            ("ERROR", "Expected Error", "Of a dent at each place. Red: 1, as bad as no dent"),
             ("REACH", "Reach", "How deep some example moves each place. Red: not at all. Blue: as deep as the deepest"),
         ],
     )
@@ -434,12 +420,9 @@ class CRUMPLE_OT_coverage(MeshOperator, bpy.types.Operator):
 
 
 def expected_errors(model: bridge.Model) -> np.ndarray:
-    """For each vertex: the mean error of the examples that a dent of middling depth would use there, by their shares; 1 where none serves."""
-    examples, mesh = model.set.examples, model.set.mesh()
-    usual = model.set.info.field_error
-    if usual is None:
-        raise Trouble("the errors of the examples are unknown: two or more examples that can be carried are needed")
-    depth = float(np.median([one.depth for one in examples]))
+    """For each vertex: the expected error of a dent of middling depth there; 1 where there is none."""
+    mesh = model.set.mesh()
+    depth = float(np.median([one.depth for one in model.set.examples]))
     body = model.set.instance()
     try:
         asked = np.unique(np.linspace(0, len(model.base) - 1, SAMPLES).astype(int))
@@ -447,10 +430,7 @@ def expected_errors(model: bridge.Model) -> np.ndarray:
         for index, vertex in enumerate(asked):
             tree.insert(model.base[vertex], index)
             result = body.hit_displacement(model.base[vertex], -depth * mesh.normals[vertex], preview=True)
-            known = [examples[one.example].field_error for one in result.chosen]
-            shares = np.abs([one.share for one in result.chosen])
-            values = [usual if error is None else error for error in known]
-            errors.append(float(shares @ values / shares.sum()) if result.status == crumple.HitStatus.MARKED else 1.0)
+            errors.append(result.expected_error if result.status == crumple.HitStatus.MARKED else 1.0)
     finally:
         body.destroy()
     tree.balance()

@@ -213,7 +213,7 @@ def test_marked_examples_are_read_back_from_the_file(dentable, tmp_path):
     bpy.ops.crumple.mark(mass=5, speed=4, radius=0.1)
     dentable.active_shape_key_index = 2
     bpy.context.scene.cursor.location = (0.2, 0.1, 0)
-    bpy.ops.crumple.mark(at="CURSOR", placement="anchored", impulse=12)
+    bpy.ops.crumple.mark(at="CURSOR", impulse=12)
     entry = json.loads(dentable.data["impacts"])[0]
     assert entry["striker"] == {"mass": 5.0, "radius": pytest.approx(0.1), "velocity": [0.0, -4.0, 0.0]} and entry["impulse"] == [0, -20, 0]
     bpy.ops.crumple.hit(location=(0, -0.2, 0), by="BLOW", mass=5, speed=4, radius=0.1)
@@ -228,7 +228,6 @@ def test_marked_examples_are_read_back_from_the_file(dentable, tmp_path):
         loaded = context.load(path)
         examples = loaded.examples
         assert [one.name for one in examples] == ["left", "right"] and loaded.info.blow_count == 2
-        assert examples[1].placement == crumple.Placement.ANCHORED
         assert np.abs(examples[0].contact_point - entry["point"]).max() < 1e-6
         assert abs(examples[1].contact_point[0] - 0.2) < 0.02 and abs(examples[1].contact_point[2] + 0.1) < 0.02
         baked = tmp_path / "sheet.crumple"

@@ -1,6 +1,6 @@
 use crate::surfaces::{self, Surface};
 use crate::tasks;
-use crumple::{ExampleSet, Placement, SetOptions, VertexMass};
+use crumple::{ExampleSet, SetOptions, VertexMass};
 use godot::classes::{ArrayMesh, FileAccess, IResource, Resource, file_access};
 use godot::global;
 use godot::prelude::*;
@@ -34,7 +34,7 @@ pub struct CrumpleExampleSet {
     /// The bytes of a `.crumple` file. If it is empty, the set is built from [member mesh].
     #[var(set, usage_flags = [STORAGE])]
     data: PackedByteArray,
-    /// The furthest that any vertex moves, m. 0 takes the longest displacement of all examples.
+    /// The furthest that any vertex moves, m. 0 takes 4/3 of the longest displacement of all examples.
     #[export(range = (0.0, 1.0, 0.001, or_greater, suffix = "m"))]
     #[var(set)]
     depth_limit: f32,
@@ -47,7 +47,7 @@ pub struct CrumpleExampleSet {
     #[export(range = (0.0, 0.01, 0.0001, or_greater, suffix = "m"))]
     #[var(set)]
     tolerance: f32,
-    /// If `true`, examples are also used mirrored on symmetric bodies.
+    /// If `true`, examples also count mirrored where they agree with it, on symmetric bodies.
     #[export]
     #[var(set)]
     mirror: bool,
@@ -167,38 +167,38 @@ impl CrumpleExampleSet {
     }
 
     /// Returns a description of each example: its `name`, its `contact` point, its `depth` at the contact (m), its `radius`
-    /// (m), its `error` when it is predicted from the others (0 is perfect, 1 is as wrong as no dent; -1 is unknown), and
-    /// whether it is `anchored` where it was made.
+    /// (m), and its `error` when it is predicted from the others (0 is perfect, 1 is as wrong as no dent).
     #[func(gd_self)]
     fn get_examples(this: Gd<Self>) -> Array<VarDictionary> {
         let Ok(built) = Self::built(&this) else { return Array::new() };
-        let learned = built.set.learned();
-        let describe = |(i, example): (usize, &crumple::Example)| {
+        let describe = |(example, error): (&crumple::Example, f32)| {
             let p = example.contact_point();
             vdict! {
                 "name" => example.name(),
                 "contact" => Vector3::new(p.x, p.y, p.z),
                 "depth" => example.depth(),
                 "radius" => example.support_radius(),
-                "error" => learned.error(i).unwrap_or(-1.0),
-                "anchored" => learned.anchored[i] || example.placement() == Placement::Anchored,
+                "error" => error,
             }
         };
-        built.set.examples().iter().enumerate().map(describe).collect()
+        built.set.examples().iter().zip(built.set.example_errors()).map(describe).collect()
     }
 
     /// Returns the median error of the examples when each is predicted from the others: 0 is perfect, 1 is as wrong as no
-    /// dent. -1 if it is unknown.
+    /// dent. -1 if the set cannot be built.
     #[func(gd_self)]
     fn get_own_error(this: Gd<Self>) -> f32 {
-        Self::built(&this).ok().and_then(|built| built.set.learned().median()).unwrap_or(-1.0)
+        let Ok(built) = Self::built(&this) else { return -1.0 };
+        let mut errors = built.set.example_errors();
+        errors.sort_by(f32::total_cmp);
+        errors[errors.len() / 2]
     }
 
     /// Returns whether the examples know their blows. Then the set predicts how deep a blow dents. Otherwise the depth is
     /// `impulse * duration / vertex_mass` of the node.
     #[func(gd_self)]
     fn knows_blows(this: Gd<Self>) -> bool {
-        Self::built(&this).is_ok_and(|built| built.set.response().is_some())
+        Self::built(&this).is_ok_and(|built| built.set.predicts_blows())
     }
 
     /// Returns the furthest that any vertex moves, m; 0 if the set cannot be built.

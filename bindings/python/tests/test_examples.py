@@ -26,8 +26,8 @@ def check(path, out, count):
         first = np.unique(shared, return_index=True)[1]
         for number, example in enumerate(loaded.examples):
             assert example.moved_vertices > 0 and example.depth > 0
-            # An example alone, on a body of its own, at its own contact: seams stay closed to the last bit.
-            body = loaded.instance(examples_per_hit=1)
+            # On a body of its own, at the example's own contact: seams stay closed to the last bit.
+            body = loaded.instance()
             body.hit_displacement(example.contact_point, -example.depth * example.contact_normal)
             moved = body.deformed().positions
             assert np.isfinite(moved).all()
@@ -436,7 +436,7 @@ def test_many_examples_are_written_with_half_the_bytes(tmp_path):
         check(path, out, count)
         with crumple.Context(threads=1) as context:
             loaded = context.load(out)
-            one = loaded.instance(examples_per_hit=1)
+            one = loaded.instance()
             one.hit_displacement(loaded.examples[0].contact_point, -loaded.examples[0].depth * loaded.examples[0].contact_normal)
             fields[count] = one.deformed().positions
     few, many = sizes

@@ -129,9 +129,6 @@ namespace Crumple
         /// <summary>What struck the body. Zeros are unknown.</summary>
         public CrumpleStriker Striker { get; set; }
 
-        /// <summary>Whether it may be carried away from where it was made. Default automatic.</summary>
-        public CrumplePlacement Placement { get; set; }
-
         internal CrumpleExampleDef ToNative(Pins pins)
         {
             CrumpleExampleDef def = CrumpleExampleDef.Default;
@@ -160,7 +157,6 @@ namespace Crumple
             def.Impulse = Impulse;
             def.Duration = Duration;
             def.Striker = Striker;
-            def.Placement = Placement;
             return def;
         }
     }

@@ -33,48 +33,6 @@ namespace Crumple
         }
     }
 
-    public partial struct CrumplePair
-    {
-        /// <summary><see cref="Example"/> of an unused pair.</summary>
-        public const ushort Unused = 0xFFFF;
-    }
-
-    public partial struct CrumpleMark
-    {
-        /// <summary>Number of pairs that a mark has room for.</summary>
-        public const int PairCapacity = 4;
-
-        /// <summary>One of its examples, the used ones first; index is 0 to 3.</summary>
-        public CrumplePair GetPair(int index)
-        {
-            switch (index)
-            {
-                case 0: return Pairs0;
-                case 1: return Pairs1;
-                case 2: return Pairs2;
-                case 3: return Pairs3;
-                default: throw new ArgumentOutOfRangeException("index", index, "a mark has 4 pairs");
-            }
-        }
-    }
-
-    public partial struct CrumpleHitResult
-    {
-        /// <summary>One of the examples that the hit is made of, the weightiest first; index is below ChosenCount.</summary>
-        public CrumpleChosen GetChosen(int index)
-        {
-            if (index < 0 || index >= ChosenCount)
-                throw new ArgumentOutOfRangeException("index", index, "the hit has " + ChosenCount + " examples");
-            switch (index)
-            {
-                case 0: return Chosen0;
-                case 1: return Chosen1;
-                case 2: return Chosen2;
-                default: return Chosen3;
-            }
-        }
-    }
-
     public partial struct CrumpleInstanceDef
     {
         /// <summary>From mesh to world space: 16 floats, column-major, translation in elements 12 to 14, m.</summary>

@@ -2,7 +2,7 @@
 #![no_main]
 
 use crumple::import::{MeshChoice, Patterns, gltf_slice, gltf_solids};
-use crumple::{ExampleSet, Serial};
+use crumple::{ExampleSet, Serial, SetOptions};
 use crumple_fuzz::{baked, seeds, target};
 
 target!(
@@ -15,7 +15,7 @@ target!(
         if let Ok(body) = gltf_slice(&file, None, MeshChoice::Nodes(&all)) {
             let parts = body.part_meshes();
             let _ = crumple::export::deformed_glb(&file, None, MeshChoice::Nodes(&all), &body.mesh.positions, None, None);
-            if let Ok(mut set) = ExampleSet::build(body.mesh, body.examples, seeds::small(), &Serial) {
+            if let Ok(mut set) = ExampleSet::build(body.mesh, body.examples, SetOptions::default(), &Serial) {
                 parts.into_iter().for_each(|part| drop(set.add_lod(part, &Serial)));
                 baked::load_and_use(set.save().expect("a small set"));
             }

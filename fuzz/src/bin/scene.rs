@@ -6,11 +6,11 @@ use std::sync::{Arc, OnceLock};
 
 use arbitrary::Unstructured;
 use crumple::{
-    BasisOptions, ExampleSet, Instance, Mark, Serial, SimdLevel, TaskSystem, ThreadPool, Tracker, VertexMemory,
+    ExampleSet, Instance, InstanceOptions, Mark, Serial, SimdLevel, TaskSystem, ThreadPool, Tracker, VertexMemory,
 };
 use crumple_fuzz::{scene, seeds, target};
-use oracle::vector::{add, from_f32, length, sub};
-use oracle::{Model, marks};
+use oracle::marks;
+use oracle::vector::{V, add, from_f32, length, scale, sub};
 
 #[path = "../../../tests/oracle/mod.rs"]
 mod oracle;
@@ -42,7 +42,7 @@ impl TaskSystem for Eager {
     }
 }
 
-fn compare(set: &ExampleSet, body: &mut Instance, updated: &Output) {
+fn compare(set: &Arc<ExampleSet>, body: &mut Instance, updated: &Output) {
     static THREADS: OnceLock<Eager> = OnceLock::new();
     let threads = THREADS.get_or_init(|| Eager(ThreadPool::new(3).expect("three threads")));
     let best = SimdLevel::best();
@@ -55,69 +55,70 @@ fn compare(set: &ExampleSet, body: &mut Instance, updated: &Output) {
         }
     }
     best.force().expect("the best level");
-    let model = Model::of(set);
-    // The oracle knows displacements as they are stored. With a tolerance they differ from those that the set learned from,
-    // and rounding may decide whether a rim is held.
-    if set.options().tolerance.is_some() || model.close || model.held.len() != set.report().held_vertices {
+    // The oracle adds up what each mark moves a vertex by, so there must be a node at each.
+    if set.options().basis.is_none() {
         return;
     }
     let given = body.marks().expect("marks").to_vec();
-    let list = marks::marks_of(&model, &given);
-    let scaled = marks::scaled(&model, &list);
-    let sizes = scaled.iter().map(|mark| marks::size(&model, mark));
-    // A mark moves a vertex by at most the body's diagonal, before all are shortened to the depth limit.
-    if sizes.fold(0.0, f64::max) > model.diagonal {
+    // Nodes move in steps of their limit.
+    let most = 16.0 * set.depth_limit();
+    let one_step = 0.87 * f64::from(most) / 16000.0;
+    let of = |mark: &Mark| marks::Mark {
+        contact: mark.contact as usize,
+        depth: f64::from(mark.depth),
+        hits: mark.energy as f64 / Mark::ONE as f64,
+        field: alone(set, mark, most),
+    };
+    let list: Vec<marks::Mark> = given.iter().map(of).collect();
+    let longest = |mark: &marks::Mark| mark.field.iter().map(|u| length(*u)).fold(0.0, f64::max);
+    // Near the limit a field is not what its mark alone leaves.
+    if list.iter().any(|mark| longest(mark) > 0.7 * f64::from(most)) {
         return;
     }
-    // The oracle computes every vertex from the marks, so each is a node here.
-    let mut exact = ExampleSet::load_copy(&set.save().expect("a set of this version"), &Serial).expect("the same set");
-    let every = BasisOptions { tolerance: 1e9, rounds: 0, nodes: usize::MAX };
-    exact.learn_basis(&every, &Serial).expect("nodes");
-    let exact = Arc::new(exact);
-    let mut exact_body = Instance::new(exact.clone(), *body.options()).expect("an instance");
-    exact_body.load(&body.save()).expect("the same marks");
-    let mut shown = Output::new(&exact);
-    shown.update(&mut exact_body, &Serial);
-    let limit = f64::from(body.depth_limit());
+    let strengths = marks::strengths(&list);
+    let size: f64 = list.iter().zip(&strengths).map(|(mark, s)| s * longest(mark)).sum();
+    let unsure: f64 = strengths.iter().map(|s| s * one_step).sum();
+    let limit = f64::from(body.depth_limit().min(most));
     let free = marks::Limit { depth: f64::INFINITY, give: 1.0 };
-    for (v, position) in shown.positions.iter().enumerate() {
-        if list.iter().any(|mark| marks::on_a_border(&model, mark, v)) {
-            continue;
-        }
-        let moved = marks::displacement(&model, &scaled, v, limit, free);
-        let ought = add(model.positions[v], moved);
-        let off = length(sub(from_f32(*position), ought));
-        let mut allowed = marks::rounding(ought, rounded(&model, &scaled), limit.min(16.0 * model.depth_limit));
-        if off > allowed {
-            // Where little changes much, such as the energy of a small dent at the rim of a great one, rounding does too.
-            for factor in [1.0 - 2e-4, 1.0 + 2e-4] {
-                let near: Vec<_> = given.iter().map(|mark| Mark { depth: mark.depth * factor, ..*mark }).collect();
-                let near = marks::marks_of(&model, &near);
-                let other = marks::displacement(&model, &marks::scaled(&model, &near), v, limit, free);
-                allowed += 2.0 * length(sub(other, moved));
-            }
+    let ought: Vec<V> =
+        (0..set.vertex_count()).map(|v| marks::displacement(&list, &strengths, v, limit, free)).collect();
+    // Where little changes much, such as the energy of a small dent at the rim of a great one, rounding does too.
+    let mut others = Vec::new();
+    for sign in [1.0, -1.0] {
+        let near = list.iter().map(|mark| {
+            let mut near = mark.clone();
+            let own = &mut near.field[mark.contact];
+            *own = scale(1.0 + sign * (2e-4 + one_step / length(*own).max(2.0 * one_step)), *own);
+            near
+        });
+        others.push(marks::strengths(&near.collect::<Vec<_>>()));
+    }
+    for (v, position) in updated.positions.iter().enumerate() {
+        let base = from_f32(set.mesh().positions()[v].to_array());
+        let at = add(base, ought[v]);
+        let off = length(sub(from_f32(*position), at));
+        let mut allowed = marks::rounding(at, size, limit) + unsure;
+        for strengths in &others {
+            let other = marks::displacement(&list, strengths, v, limit, free);
+            allowed += 2.0 * length(sub(other, ought[v]));
         }
         assert!(
             off <= allowed,
-            "vertex {v} at {position:?} is {off:e} m from {ought:?}; {allowed:e} is allowed: {given:?}, {:?}",
+            "vertex {v} at {position:?} is {off:e} m from {at:?}; {allowed:e} is allowed: {given:?}, {:?}",
             set.options()
         );
     }
 }
 
-/// The size of the displacements that the rounding of a stamp's weights is a share of. From one node to the next a
-/// displacement may turn round, in both directions of the grid; the height may rise above where a dent has faded; and parts
-/// that cancel each other at the contact are scaled up.
-fn rounded(model: &Model, scaled: &[marks::Scaled<'_>]) -> f64 {
-    let steep = |mark: &marks::Mark| {
-        let grids = mark.parts.iter().filter_map(|part| model.examples[part.example].grid.as_ref());
-        let rise = |heights: &[f64]| {
-            let (low, high) = heights.iter().fold((f64::MAX, f64::MIN), |(a, b), h| (a.min(*h), b.max(*h)));
-            high - low
-        };
-        grids.map(|grid| rise(&grid.heights) / grid.fade).fold(0.0, f64::max)
-    };
-    scaled.iter().map(|mark| marks::TOGETHER * 2.0 * (1.0 + steep(mark.0)) * marks::size(model, mark)).sum()
+/// The displacements of all vertices by one hit of a mark alone, m, if it moves none of them by nearly `most`.
+fn alone(set: &Arc<ExampleSet>, mark: &Mark, most: f32) -> Vec<V> {
+    let options = InstanceOptions { depth_limit: Some(most), ..InstanceOptions::default() };
+    let mut body = Instance::new(set.clone(), options).expect("an instance");
+    body.set_marks(&[Mark { energy: Mark::ONE, ..*mark }]).expect("a mark of the set");
+    let mut output = Output::new(set);
+    output.update(&mut body, &Serial);
+    let moved = output.positions.iter().zip(set.mesh().positions());
+    moved.map(|(to, from)| sub(from_f32(*to), from_f32(from.to_array()))).collect()
 }
 
 /// Memory for each attribute that the mesh has.

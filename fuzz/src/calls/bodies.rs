@@ -3,6 +3,7 @@
 use std::mem::MaybeUninit;
 use std::ptr::{null, null_mut};
 
+use bytemuck::Zeroable;
 use crumple::Mark;
 use crumple::entry_points::*;
 
@@ -86,17 +87,18 @@ impl Host<'_> {
                 crumple_instance_get_contact(context, id, contact, MaybeUninit::uninit().as_mut_ptr())
             }
             29 => {
-                let mut marks = [Mark::new(0, 0.0, [crumple::Pair::NONE; 4]); 4];
+                let mut marks = [Mark::zeroed(); 4];
                 let (capacity, mut count) = (self.word()?.min(4), 0);
                 crumple_instance_get_marks(context, id, marks.as_mut_ptr(), capacity, &mut count)
             }
             30 => {
-                let mut marks = [Mark::new(0, 0.0, [crumple::Pair::NONE; 4]); 4];
+                let mut marks = [Mark::zeroed(); 4];
                 for mark in &mut marks {
                     mark.contact = self.word()?;
                     mark.depth = self.number()?;
                     mark.energy = Mark::ONE;
-                    mark.pairs[0] = bytemuck::pod_read_unaligned(&self.bytes.arbitrary::<[u8; 4]>()?);
+                    mark.told = self.bytes.int_in_range(0..=2)?;
+                    mark.direction = self.bytes.arbitrary()?;
                 }
                 crumple_instance_set_marks(context, id, marks.as_ptr(), self.word()?.min(4))
             }

@@ -12,9 +12,6 @@ use super::arguments::{boolean, enumerator};
 use super::{Host, Step};
 use crate::seeds;
 
-/// The resolution of stamps, so that building a set takes little time.
-const SMALL: u32 = 4;
-
 /// The path of a file of the tests.
 macro_rules! fixture {
     ($name:literal) => {
@@ -64,10 +61,8 @@ impl Host<'_> {
             }
             examples.push(def);
         }
-        let mut def = crumple_example_set_def_default();
         let mut mesh_def = self.mesh_def(&mesh)?;
-        (def.example_count, def.options.stamp_resolution) = (2, SMALL);
-        def = self.patched(def)?;
+        let mut def = self.patched(CrumpleExampleSetDef { example_count: 2, ..crumple_example_set_def_default() })?;
         let masses = self.bytes.ratio(1, 4)?;
         def.options.vertex_masses =
             if masses { self.input(&values[..mesh.positions.len()])? } else { Self::no_input() };
@@ -139,9 +134,7 @@ impl Host<'_> {
             8 => {
                 let files = gltf_files();
                 let file = &files[self.bytes.choose_index(files.len())?];
-                let mut def = crumple_gltf_def_default();
-                def.options.stamp_resolution = SMALL;
-                def = self.patched(def)?;
+                let mut def = self.patched(crumple_gltf_def_default())?;
                 (def.path, def.mesh_name, def.options.vertex_masses) = (null(), null(), Self::no_input());
                 def.join_nodes = boolean(self.bytes.arbitrary()?);
                 for patterns in [&mut def.nodes, &mut def.targets, &mut def.rigid, &mut def.glass, &mut def.moving] {
@@ -151,7 +144,6 @@ impl Host<'_> {
             }
             9 => {
                 let mut def = crumple_gltf_def_default();
-                def.options.stamp_resolution = SMALL;
                 (def.path, def.join_nodes) = (self.path(fixture!("nodes.glb"))?, boolean(self.bytes.arbitrary()?));
                 crumple_example_set_load_gltf(context, &def, &mut new)
             }
@@ -159,7 +151,7 @@ impl Host<'_> {
                 let examples = [self.path(fixture!("plate_dent.obj"))?, self.path(fixture!("plate.obj"))?];
                 let mut def = crumple_obj_def_default();
                 (def.base_path, def.example_paths) = (self.path(fixture!("plate.obj"))?, examples.as_ptr());
-                (def.example_count, def.options.stamp_resolution) = (self.word()?.min(2), SMALL);
+                def.example_count = self.word()?.min(2);
                 crumple_example_set_load_obj(context, &def, &mut new)
             }
             11 => crumple_example_set_load_baked(context, self.path(fixture!("nodes.glb"))?, &mut new),

@@ -1,21 +1,19 @@
-"""Accuracy against stamp sizes and impact by impact, when told the displacement; `told` has the charts of what a hit tells."""
+"""Accuracy impact by impact, when told the displacement; `told` has the charts of what a hit tells."""
 
 import numpy as np
-from matplotlib.ticker import FuncFormatter, NullFormatter
+from matplotlib.ticker import FuncFormatter
 
 import style
 from style import BODIES, CLASSIC, FLOOR, INK, OURS, OURS_LIGHT, PANELS, RADIAL, plt
 
 # The set that stands for "a well-made library of examples".
 FULL = 24
-K = 3
 
 
 def draw(directory):
     table, impacts = style.read(directory, "accuracy.csv"), style.read(directory, "accuracy_impacts.csv")
     if table is None:
         return
-    stamps(table, directory)
     each_impact(impacts, table, directory)
 
 
@@ -37,57 +35,18 @@ def plain(value, _=None):
     return f"{value:g}" if value < 1000 else f"{value:,.0f}".replace(",", " ")
 
 
-def stamp_of(table):
-    """The stamp size that is the library's default: that of the configurations with all defaults."""
-    r = table.one(method="defaults")
-    return r["stamp"] if r else 24
-
-
-def stamps(table, directory):
-    figure, axes = grid(7.6, sharex=True)
-    for (truth, body), axis in axes.items():
-        top = 0
-        for n, colour, marker in ((4, OURS_LIGHT, "s"), (FULL, OURS, "o")):
-            rows = sorted(table.where(truth=truth, body=body, method="automatic", examples=n, k=K), key=lambda r: r["stamp"])
-            rows = [r for r in rows if r["stamp_bytes"]]
-            if not rows:
-                continue
-            x = [r["stamp_bytes"] / n / 1e3 for r in rows]
-            axis.plot(x, [r["rel_l2_median"] for r in rows], marker=marker, color=colour, label=f"{n} examples")
-            axis.plot(x, [r["rel_l2_p90"] for r in rows], color=colour, lw=0.8, ls=":", label=f"{n} examples, 90th percentile")
-            top = max([top] + [r["rel_l2_p90"] for r in rows])
-            if n == FULL:
-                for r, at in zip(rows, x):
-                    axis.annotate(f"{r['stamp']:.0f}", (at, r["rel_l2_median"]), textcoords="offset points", xytext=(0, -13), ha="center", fontsize=8, color=colour)
-        axis.set_xscale("log")
-        axis.set_ylim(0, top * 1.12)
-        axis.xaxis.set_major_formatter(FuncFormatter(plain))
-        axis.xaxis.set_minor_formatter(NullFormatter())
-        axis.set_xlabel("stamp, kB an example, logarithmic (labels: nodes a side)")
-        axis.set_ylabel("relative L2 error")
-        axis.tick_params(labelbottom=True)
-        axis.set_title(style.panel_title(truth, body), loc="left", fontweight="bold")
-    style.title(figure, "What a finer stamp buys")
-    handles, labels = axes[PANELS[0]].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="upper left", bbox_to_anchor=(0.005, 0.963), ncol=4)
-    style.footer(figure, table, counts(table), "A node takes 16 bytes: displacement, height, change of the normal, facing.")
-    figure.tight_layout(rect=(0, 0.05, 1, 0.93), h_pad=1.6)
-    style.save(figure, directory, "accuracy_stamps")
-
-
 def each_impact(impacts, table, directory):
     figure, axes = grid(7.8)
     lines = [
-        ("automatic", K, FULL, OURS, f"Crumple, {FULL} examples"),
-        ("automatic", K, 4, OURS_LIGHT, "Crumple, 4 examples"),
-        ("anchored", K, FULL, "#000000", f"anchored only, {FULL}"),
-        ("radial", 0, 0, RADIAL, "radial profile"),
-        ("classic_clamped", 1, FULL, CLASSIC, f"classic, clamped, {FULL}"),
-        ("classic", 1, FULL, CLASSIC, f"classic, as is, {FULL}"),
+        ("crumple", FULL, OURS, f"Crumple, {FULL} examples"),
+        ("crumple", 4, OURS_LIGHT, "Crumple, 4 examples"),
+        ("radial", 0, RADIAL, "radial profile"),
+        ("classic_clamped", FULL, CLASSIC, f"classic, clamped, {FULL}"),
+        ("classic", FULL, CLASSIC, f"classic, as is, {FULL}"),
     ]
     for (truth, body), axis in axes.items():
-        for at, (method, k, n, colour, _) in enumerate(lines):
-            rows = [r for r in impacts.where(truth=truth, body=body, method=method, k=k, examples=n) if r["stamp"] in (0, stamp_of(table))]
+        for at, (method, n, colour, _) in enumerate(lines):
+            rows = impacts.where(truth=truth, body=body, method=method, examples=n)
             errors = np.array(sorted(r["rel_l2"] for r in rows))
             if not len(errors):
                 continue

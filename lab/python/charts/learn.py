@@ -1,9 +1,9 @@
-"""Error against the number of examples, up to hundreds: a set that has learned from all of them, beside the nearest examples."""
+"""Error against the number of examples, up to hundreds."""
 
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 import style
-from style import CLASSIC, FLOOR, OURS, OURS_LIGHT, RADIAL, plt
+from style import CLASSIC, FLOOR, OURS, RADIAL, plt
 
 BODIES = [
     ("shots", "panel", "shots, panel"),
@@ -15,8 +15,7 @@ BODIES = [
     ("dense", "box", "front, hundreds of hits"),
 ]
 METHODS = [
-    ("learned", "Crumple, a set that has learned; band: to the 90th percentile", {"color": OURS, "marker": "o"}),
-    ("crumple", "Crumple, the nearest examples", {"color": OURS_LIGHT, "marker": "o", "mfc": "white", "ls": "--"}),
+    ("crumple", "Crumple; band: to the 90th percentile", {"color": OURS, "marker": "o"}),
     ("radial", "radial profile", {"color": RADIAL, "marker": "D", "ls": "-."}),
     ("classic", "classic rule", {"color": CLASSIC, "marker": "P"}),
 ]
@@ -36,7 +35,7 @@ def draw(directory):
             rows = sorted(table.where(truth=truth, body=body, told="blow", method=method), key=lambda r: r["examples"])
             counts, medians = [r["examples"] for r in rows], [shown(r["rel_l2_median"]) for r in rows]
             (handles[label],) = axis.plot(counts, medians, **look)
-            if method == "learned":
+            if method == "crumple":
                 axis.fill_between(counts, medians, [shown(r["rel_l2_p90"]) for r in rows], color=OURS, alpha=0.1, lw=0)
         axis.set_xscale("log")
         axis.set_yscale("log")
@@ -54,7 +53,7 @@ def draw(directory):
         axis.set_title(name, loc="left", fontweight="bold")
     axes[-1].axis("off")
     axes[-1].legend(list(handles.values()), list(handles), loc="upper left", fontsize=9, labelspacing=0.9, borderaxespad=0)
-    style.title(figure, "Told the blow: more examples make a set that learns better")
+    style.title(figure, "Told the blow: error against the number of examples")
     style.footer(figure, table, None, "Median over hits that no example shows. Dotted: no dent at all.")
     figure.tight_layout(rect=(0, 0.05, 1, 0.955), h_pad=1.6)
     style.save(figure, directory, "learn")

@@ -72,7 +72,7 @@ def vertices(table):
     axes[0, 0].set_ylabel("time of one deformation")
     axes[1, 0].set_ylabel("ns a moved vertex")
     style.title(figure, "Time against the number of moved vertices")
-    finish(figure, axes[0, 0], table, "A sheet, one anchored example that moves every vertex, positions only. Medians of interleaved runs; shade: quartiles.")
+    finish(figure, axes[0, 0], table, "A sheet, one example that moves every vertex, positions only. Medians of interleaved runs; shade: quartiles.")
     return figure
 
 
@@ -101,5 +101,5 @@ def threads(table):
     decades(axes[0, 0].yaxis, min(times) / 2, 2 * max(times), duration)
     axes[0, 0].set_ylabel("time of one deformation")
     style.title(figure, "Time against threads")
-    finish(figure, axes[0, 0], table, "One anchored example that moves every vertex of a sheet, positions only. Dotted: what one thread takes, divided by their number.")
+    finish(figure, axes[0, 0], table, "One example that moves every vertex of a sheet, positions only. Dotted: what one thread takes, divided by their number.")
     return figure

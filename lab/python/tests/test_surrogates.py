@@ -15,10 +15,10 @@ from surrogates import BODIES, DATA, Body, Kriging, Modes, frame, load, relative
 class SurrogateTest(unittest.TestCase):
     def test_stored_fields_are_within_half_a_step(self) -> None:
         field = np.random.default_rng(0).normal(scale=0.05, size=(50, 3)).astype(np.float32)
-        self.assertLessEqual(np.abs(quantised(field) * STEP - field).max(), 0.5001 * STEP)
-        self.assertEqual(quantised(np.full((2, 3), np.nan)).max(), 0)
+        self.assertLessEqual(np.abs(quantised(field, STEP) * STEP - field).max(), 0.5001 * STEP)
+        self.assertEqual(quantised(np.full((2, 3), np.nan), STEP).max(), 0)
         with self.assertRaises(ValueError):
-            quantised(np.array([0.4]))
+            quantised(np.array([0.4]), STEP)
 
     def test_impulses_point_into_the_body(self) -> None:
         for truth, body in BODIES:

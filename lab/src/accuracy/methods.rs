@@ -5,8 +5,7 @@ use std::time::Duration;
 
 use anyhow::Result;
 use crumple::{
-    ExampleSet, Hit, HitStatus, Instance, InstanceOptions, Placement, Rule, Selection, Serial, SetOptions, Tracker,
-    VertexMemory,
+    ExampleSet, Hit, HitStatus, Instance, InstanceOptions, Rule, Selection, Serial, SetOptions, Tracker, VertexMemory,
 };
 
 use super::radial::Radial;
@@ -17,17 +16,13 @@ use crate::truth::{Body, Field, Impact};
 
 /// One configuration.
 pub struct Method {
-    /// `classic`, `classic_clamped`, `radial`, `anchored`, `carried`, `automatic`, `depth_only` (automatic, told the depth along the
-    /// normal instead of the displacement), `defaults`, or `baked_` and a tolerance (automatic).
+    /// `classic`, `classic_clamped`, `radial`, `crumple`, `depth_only` (told the depth along the normal instead of the displacement),
+    /// `defaults`, or `baked_` and a tolerance.
     pub name: &'static str,
     /// How many training impacts it has, a prefix.
     pub examples: usize,
-    pub k: u32,
-    /// Nodes along the longest side of a stamp; 0 where there are none.
-    pub stamp: u32,
-    pub anchored_bytes: usize,
-    pub stamp_bytes: usize,
-    pub other_bytes: usize,
+    /// What it holds beside the mesh.
+    pub bytes: usize,
 }
 
 /// What a method makes of an impact.
@@ -47,11 +42,9 @@ pub struct Answer {
 type Visit<'a> = dyn FnMut(&Method, &mut dyn FnMut(&Impact) -> Result<Answer>) -> Result<()> + 'a;
 
 const EXAMPLES: [usize; 5] = [4, 8, 16, 24, 32];
-/// The counts at which K and stamp sizes are varied.
-const VARIED: [usize; 2] = [4, 24];
-const STAMPS: [u32; 6] = [8, 12, 16, 24, 32, 48];
-const K: u32 = 3;
-/// Automatic sets baked to a tolerance, m.
+/// The counts of a quick run, and of baked sets.
+const FEW: [usize; 2] = [4, 24];
+/// Sets baked to a tolerance, m.
 const BAKED: [(&str, f32); 3] = [("baked_0.01mm", 1e-5), ("baked_0.1mm", 1e-4), ("baked_1mm", 1e-3)];
 /// Above every dent, m: measures the dents' shapes, not how deep the deepest example happens to be.
 const DEEP: f32 = 1.0;
@@ -60,65 +53,50 @@ const DEEP: f32 = 1.0;
 pub fn each(body: &Body, quick: bool, visit: &mut Visit) -> Result<()> {
     let timer = Timer::of(quick);
     let radial = Radial::fit(body);
-    let method = Method { other_bytes: radial.bytes(), ..named("radial", 0, 0, 0) };
+    let method = Method { name: "radial", examples: 0, bytes: radial.bytes() };
     visit(&method, &mut |impact| {
         let mut field = Field::new();
         let us = timer.time(|| (), |()| radial.predict(body, impact, &mut field));
         Ok(answer(field, true, us, f64::NAN, body.vertices.len() as u64))
     })?;
 
-    let default_stamp = SetOptions::default().stamp_resolution;
-    for n in EXAMPLES.into_iter().filter(|n| !quick || VARIED.contains(n)) {
-        let library = |placement, stamp_resolution| {
-            scene::set(body, n, placement, SetOptions { stamp_resolution, ..SetOptions::default() })
-        };
-        let deep = |k| InstanceOptions { examples_per_hit: k, depth_limit: Some(DEEP), ..Default::default() };
-
+    let deep = InstanceOptions { depth_limit: Some(DEEP), ..Default::default() };
+    for n in EXAMPLES.into_iter().filter(|n| !quick || FEW.contains(n)) {
         // An example counts as moving a vertex from a tenth of a millimetre: without that the rule's choice falls on
         // examples that barely move the contact.
         let options = SetOptions { drop_below: 1e-4, ..SetOptions::default() };
-        let set = scene::set(body, n, Placement::Anchored, options)?;
+        let set = scene::set(body, n, options)?;
         let classic = |selection| InstanceOptions { selection, ..InstanceOptions::classic(Rule::MostDisplaced) };
-        measure(&set, "classic", n, 1, 0, classic(Selection::ClassicUnclamped), &timer, visit)?;
-        measure(&set, "classic_clamped", n, 1, 0, classic(Selection::Classic), &timer, visit)?;
+        let bytes = held(&set);
+        measure(&set, "classic", n, bytes, classic(Selection::ClassicUnclamped), &timer, visit)?;
+        measure(&set, "classic_clamped", n, bytes, classic(Selection::Classic), &timer, visit)?;
 
-        let ks = |name: &str| match name {
-            _ if !VARIED.contains(&n) || quick => K..=K,
-            "anchored" => K..=K,
-            _ => 1..=4,
-        };
-        for (name, placement) in
-            [("anchored", Placement::Anchored), ("carried", Placement::Carried), ("automatic", Placement::Automatic)]
-        {
-            let set = library(placement, default_stamp)?;
-            let stamp = if placement == Placement::Anchored { 0 } else { default_stamp };
-            for k in ks(name) {
-                measure(&set, name, n, k, stamp, deep(k), &timer, visit)?;
-            }
-            if placement == Placement::Automatic {
-                measure(&set, "depth_only", n, K, stamp, deep(K), &timer, visit)?;
-                measure(&set, "defaults", n, K, stamp, InstanceOptions::default(), &timer, visit)?;
-            }
-        }
-        if VARIED.contains(&n) {
+        let set = scene::set(body, n, SetOptions::default())?;
+        // Before any hit: a set remembers its latest predictions.
+        let bytes = held(&set);
+        measure(&set, "crumple", n, bytes, deep, &timer, visit)?;
+        measure(&set, "depth_only", n, bytes, deep, &timer, visit)?;
+        measure(&set, "defaults", n, bytes, InstanceOptions::default(), &timer, visit)?;
+        if FEW.contains(&n) {
             for (name, tolerance) in BAKED {
                 let options = SetOptions { tolerance: Some(tolerance), ..SetOptions::default() };
-                let set = scene::set(body, n, Placement::Automatic, options)?;
-                measure(&set, name, n, K, default_stamp, deep(K), &timer, visit)?;
-            }
-        }
-        if VARIED.contains(&n) && !quick {
-            for stamp in STAMPS.into_iter().filter(|s| *s != default_stamp) {
-                let set = library(Placement::Automatic, stamp)?;
-                measure(&set, "automatic", n, K, stamp, deep(K), &timer, visit)?;
+                let set = loaded(scene::set(body, n, options)?)?;
+                measure(&set, name, n, held(&set), deep, &timer, visit)?;
             }
         }
     }
     Ok(())
 }
 
-fn named(name: &'static str, examples: usize, k: u32, stamp: u32) -> Method {
-    Method { name, examples, k, stamp, anchored_bytes: 0, stamp_bytes: 0, other_bytes: 0 }
+/// The set as a game has it: from a baked file.
+fn loaded(set: Arc<ExampleSet>) -> Result<Arc<ExampleSet>> {
+    Ok(Arc::new(ExampleSet::load(set.save()?, &Serial)?))
+}
+
+/// What a set holds beside positions and triangles, bytes.
+fn held(set: &ExampleSet) -> usize {
+    let mesh = size_of_val(set.mesh().positions()) + size_of_val(set.mesh().triangles());
+    set.memory_bytes() - mesh
 }
 
 /// How often an impact is repeated.
@@ -143,23 +121,16 @@ pub fn answer(field: Field, answered: bool, us: f64, us_with_normals: f64, writt
     Answer { field, answered, us, us_with_normals, moved, written }
 }
 
-#[expect(clippy::too_many_arguments, reason = "a row of a table")]
 fn measure(
     set: &Arc<ExampleSet>,
     name: &'static str,
     examples: usize,
-    k: u32,
-    stamp: u32,
+    bytes: usize,
     options: InstanceOptions,
     timer: &Timer,
     visit: &mut Visit,
 ) -> Result<()> {
-    let report = set.report();
-    let method = Method {
-        anchored_bytes: report.anchored_bytes,
-        stamp_bytes: if stamp == 0 { 0 } else { report.stamp_bytes },
-        ..named(name, examples, k, stamp)
-    };
+    let method = Method { name, examples, bytes };
     let hit = |impact: &Impact| match name {
         "depth_only" => scene::along_normal(set, impact),
         _ => scene::hit(impact),

@@ -22,13 +22,11 @@ use methods::{Answer, Method};
 /// Presses that spring back leave less than this at the contact, m: there is no dent to predict.
 const LEAST_PRESS: f64 = 0.005;
 
-const COLUMNS: [&str; 28] = [
+const COLUMNS: [&str; 24] = [
     "truth",
     "body",
     "method",
     "examples",
-    "k",
-    "stamp",
     "rel_l2_median",
     "rel_l2_p25",
     "rel_l2_p75",
@@ -45,8 +43,6 @@ const COLUMNS: [&str; 28] = [
     "moved_vertices",
     "written_vertices",
     "bytes",
-    "anchored_bytes",
-    "stamp_bytes",
     "unanswered",
     "n",
     "simulations",
@@ -60,8 +56,6 @@ pub fn run(options: &Options) -> Result<()> {
         "body",
         "method",
         "examples",
-        "k",
-        "stamp",
         "source",
         "impact",
         "depth_mm",
@@ -77,9 +71,9 @@ pub fn run(options: &Options) -> Result<()> {
     for t in [&mut table, &mut each] {
         t.comment("command", "cargo xtask lab --only accuracy");
         t.comment("error", "relative L2 of the displacement field over all vertices, held-out impacts");
-        t.comment("us_per_impact", "one thread: submit, select, deform the positions of all vertices touched; median over impacts of the median of repeated runs");
+        t.comment("us_per_impact", "one thread: submit, predict, deform the positions of all vertices touched; median over impacts of the median of repeated runs");
         t.comment("us_with_normals", "the same with normals written too");
-        t.comment("bytes", "what the set holds for its examples beside the mesh");
+        t.comment("bytes", "what the set holds beside positions and triangles");
         t.comment("left out", format!("presses that leave less than {} mm at the contact", 1e3 * LEAST_PRESS));
     }
     for body in Body::read_smooth()? {
@@ -103,8 +97,6 @@ pub fn run(options: &Options) -> Result<()> {
                     body.name.to_owned(),
                     method.name.to_owned(),
                     method.examples.to_string(),
-                    method.k.to_string(),
-                    method.stamp.to_string(),
                 ];
                 for (index, (impact, a)) in impacts.iter().zip(&answers).enumerate() {
                     let (radius, speed, travel) = match impact.striker {
@@ -133,7 +125,7 @@ pub fn run(options: &Options) -> Result<()> {
         // What no method can beat, and what predicting nothing gets.
         for (name, error) in [("floor", body.truth.noise_floor(body.name)), ("none", 1.0)] {
             let mut row = vec![body.truth.name().to_owned(), body.name.to_owned(), name.to_owned()];
-            row.extend(["0", "0", "0"].map(str::to_owned));
+            row.push("0".to_owned());
             row.extend(std::iter::repeat_n(num(error), 6));
             row.resize(COLUMNS.len() - 3, String::new());
             row.extend([impacts.len().to_string(), simulations.to_string(), String::new()]);
@@ -180,15 +172,7 @@ fn summary(body: &Body, method: &Method, impacts: &[&Impact], answers: &[Answer]
     .map(num)
     .to_vec();
     let unanswered = answers.iter().filter(|a| !a.answered).count();
-    let counts = [
-        method.anchored_bytes + method.stamp_bytes + method.other_bytes,
-        method.anchored_bytes,
-        method.stamp_bytes,
-        unanswered,
-        impacts.len(),
-        simulations,
-        train.len(),
-    ];
+    let counts = [method.bytes, unanswered, impacts.len(), simulations, train.len()];
     cells.extend(counts.map(|c| c.to_string()));
     cells
 }

@@ -3,7 +3,7 @@
 //! that no example shows.
 
 use anyhow::Result;
-use crumple::{Blow, Hit, InstanceOptions, Placement, Rule, Selection, SetOptions};
+use crumple::{Blow, Hit, InstanceOptions, Rule, Selection, SetOptions};
 
 use super::law::{Law, Sees};
 use super::methods::{Answer, Timer, answer, library};
@@ -42,7 +42,6 @@ impl Told {
 
 /// A hit that leaves less than this at the contact is weak, m: it should leave less than this in the prediction too.
 const WEAK: f64 = 2e-3;
-const K: u32 = 3;
 /// Above every dent, m.
 const DEEP: f32 = 1.0;
 
@@ -147,19 +146,18 @@ fn case(body: &Body, train: &str, options: &Options, tables: &mut Tables) -> Res
         })?;
     }
     for n in counts(body).into_iter().filter(|n| !quick || [4, 24].contains(n)) {
-        let with = |drop_below| SetOptions { drop_below, ..SetOptions::default() };
-        let automatic = scene::set(body, n, Placement::Automatic, SetOptions::default())?;
+        let set = scene::set(body, n, SetOptions::default())?;
         // An example counts as moving a vertex from a tenth of a millimetre, as in `methods`.
-        let anchored = scene::set(body, n, Placement::Anchored, with(1e-4))?;
-        let ours = InstanceOptions { examples_per_hit: K, depth_limit: Some(DEEP), ..Default::default() };
+        let cut = scene::set(body, n, SetOptions { drop_below: 1e-4, ..SetOptions::default() })?;
+        let ours = InstanceOptions { depth_limit: Some(DEEP), ..Default::default() };
         let classic =
             InstanceOptions { selection: Selection::Classic, ..InstanceOptions::classic(Rule::MostDisplaced) };
         for told in &toldest {
             let law = Law::fit(&body.train[..n], told.sees());
-            add(*told, "crumple", n, &mut |impact| library(&automatic, &ours, hit(*told, impact, body), &timer))?;
+            add(*told, "crumple", n, &mut |impact| library(&set, &ours, hit(*told, impact, body), &timer))?;
             add(*told, "classic", n, &mut |impact| {
                 let (point, target) = target(*told, law.as_ref(), impact, body);
-                library(&anchored, &classic, Hit::displacement(point, target), &timer)
+                library(&cut, &classic, Hit::displacement(point, target), &timer)
             })?;
         }
     }

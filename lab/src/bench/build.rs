@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use anyhow::{Result, ensure};
-use crumple::{ExampleSet, Placement};
+use crumple::ExampleSet;
 use kiddo::ImmutableKdTree;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
@@ -31,7 +31,7 @@ pub fn build(bench: &Bench) -> Result<()> {
     let mut bytes = 0;
     for _ in 0..if bench.quick { 1 } else { 3 } {
         let mesh = sheet.surface();
-        let examples: Vec<_> = dents().iter().map(|d| sheet.example(d, Placement::Automatic)).collect();
+        let examples: Vec<_> = dents().iter().map(|d| sheet.example(d)).collect();
         bytes = mesh.positions.len() * 12 + mesh.triangles.len() * 12;
         let start = Instant::now();
         let set = ExampleSet::build(mesh, examples, baked(), bench.tasks(2))?;
@@ -77,7 +77,7 @@ fn kd_tree(points: &[[f32; 3]]) -> ImmutableKdTree<f32, 3> {
 /// Loading a baked set of a million vertices and 24 examples from memory, against copying the file's bytes.
 pub fn load(bench: &Bench) -> Result<()> {
     let sheet = Sheet::new(Size::M1.vertices());
-    let examples: Vec<_> = dents().iter().map(|d| sheet.example(d, Placement::Automatic)).collect();
+    let examples: Vec<_> = dents().iter().map(|d| sheet.example(d)).collect();
     let set = ExampleSet::build(sheet.surface(), examples, baked(), bench.tasks(2))?;
     let saved = set.save()?;
     let (fingerprint, bytes) = (set.fingerprint(), saved.len());

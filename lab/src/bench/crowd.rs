@@ -11,7 +11,7 @@ use crumple::{
 
 use super::Bench;
 use super::measure::Times;
-use super::nodes::{Way, blows, hits, made, set};
+use super::nodes::{blows, hits, made, set};
 use super::report::{Aim, Row};
 
 const BODIES: usize = 200;
@@ -22,7 +22,7 @@ const MARKS: usize = 16;
 
 /// Frames of ten blows on two hundred hoods, each drawn as four meshes, after as many frames that nothing is measured of.
 pub fn hoods(bench: &Bench) -> Result<()> {
-    let mut whole = set(bench, "hood", Way::Learned)?;
+    let mut whole = set(bench, "hood", 12)?;
     for part in quarters(whole.mesh().positions(), whole.mesh().triangles()) {
         whole.add_lod(part, bench.tasks(2))?;
     }
@@ -41,7 +41,7 @@ pub fn hoods(bench: &Bench) -> Result<()> {
 
 /// The first frame of two hundred drums with sixteen marks each, from saved bytes to all vertices with normals.
 pub fn drums(bench: &Bench) -> Result<()> {
-    let drum = Arc::new(set(bench, "drum", Way::Nearest)?);
+    let drum = Arc::new(set(bench, "drum", 8)?);
     let hits = hits(&drum, BODIES + MARKS);
     let mut saved = Crowd::new(&drum, BODIES, 0..0)?;
     for (body, instance) in saved.instances.iter_mut().enumerate() {

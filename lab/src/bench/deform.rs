@@ -1,7 +1,9 @@
-//! Anchored examples of a sheet, against the classic kernel and against a copy.
+//! Examples of a sheet, against the classic kernel and against a copy.
+
+use std::sync::Arc;
 
 use anyhow::Result;
-use crumple::{ExampleSet, InstanceOptions, MeshData, Placement, SetOptions};
+use crumple::{ExampleSet, InstanceOptions, MeshData, SetOptions};
 
 use super::deformed::Deformed;
 use super::measure::{Contender, interleaved};
@@ -74,10 +76,11 @@ pub fn limits(bench: &Bench) -> Result<()> {
     ];
     let mut methods = Vec::new();
     for (name, mesh) in meshes {
-        let examples = vec![sheet.example(&dent, Placement::Anchored)];
+        let examples = vec![sheet.example(&dent)];
         let options = SetOptions { mirror: false, ..baked() };
-        let set = ExampleSet::build(mesh, examples, options, bench.tasks(2))?.into();
-        methods.push((name, Deformed::new(&set, InstanceOptions::default(), &own_marks(&set), false, bench.tasks(1))?));
+        let set = Arc::new(ExampleSet::build(mesh, examples, options, bench.tasks(2))?);
+        methods
+            .push((name, Deformed::new(&set, InstanceOptions::default(), &own_marks(&set)?, false, bench.tasks(1))?));
     }
     let mut contenders: Vec<Contender> = methods.iter_mut().map(|(_, m)| Contender::new(|| m.run())).collect();
     let times = interleaved(&bench.plan, &mut contenders);

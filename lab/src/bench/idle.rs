@@ -39,7 +39,7 @@ struct Fleet<'t> {
 
 impl<'t> Fleet<'t> {
     fn new(set: &Arc<ExampleSet>, count: usize, tasks: &'t dyn TaskSystem) -> Result<Self> {
-        let mark = own_marks(set)[0];
+        let mark = own_marks(set)?[0];
         let damage = |share: u64| vec![Mark { energy: Mark::ONE / 100 * share, ..mark }];
         let instance = |_| Instance::new(set.clone(), InstanceOptions::default());
         let mut fleet = Fleet {

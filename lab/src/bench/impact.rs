@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use anyhow::Result;
-use crumple::{ExampleSet, Hit, InstanceOptions, Placement};
+use crumple::{ExampleSet, Hit, InstanceOptions};
 use glam::Vec3;
 
 use super::Bench;
@@ -11,7 +11,7 @@ use super::baked;
 use super::deformed::Deformed;
 use super::measure::{Contender, Plan, Times, interleaved, timed};
 use super::radial::RadialDent;
-use super::real::{EXAMPLES, bodies, finer, name};
+use super::real::{bodies, finer, name};
 use super::reference::Classic;
 use super::report::{Aim, Row, Sense};
 use crate::accuracy::heldout;
@@ -25,29 +25,20 @@ const DEEP: f32 = 1.0;
 
 pub fn run(bench: &Bench) -> Result<()> {
     for body in bodies(bench.quick)? {
-        let finer = finer(&body, VERTICES);
-        for (kind, placement, aim) in [("carried", Placement::Carried, 150.0), ("anchored", Placement::Anchored, 60.0)]
-        {
-            let row = format!("impact_{kind}_{}", name(&body));
-            if !bench.wanted(&row) {
-                continue;
-            }
-            // Anchored examples are hit where they were made; carried ones answer what no example shows.
-            let impacts: Vec<&Impact> = match placement {
-                Placement::Anchored => body.train.iter().take(if bench.quick { 4 } else { EXAMPLES }).collect(),
-                _ => heldout(&body, bench.quick),
-            };
-            let (mesh, examples) = finer.build(&body, placement);
-            let set = ExampleSet::build(mesh, examples, baked(), bench.tasks(2))?;
-            measure(bench, &row, Arc::new(set), &impacts, aim)?;
+        let row = format!("impact_{}", name(&body));
+        if !bench.wanted(&row) {
+            continue;
         }
+        let (mesh, examples) = finer(&body, VERTICES).build(&body);
+        let set = ExampleSet::build(mesh, examples, baked(), bench.tasks(2))?;
+        measure(bench, &row, Arc::new(set), &heldout(&body, bench.quick))?;
     }
     Ok(())
 }
 
-fn measure(bench: &Bench, name: &str, set: Arc<ExampleSet>, impacts: &[&Impact], aim: f64) -> Result<()> {
+fn measure(bench: &Bench, name: &str, set: Arc<ExampleSet>, impacts: &[&Impact]) -> Result<()> {
     let plan = Plan { budget: bench.plan.budget / impacts.len().max(1) as u32, ..bench.plan };
-    let options = InstanceOptions { examples_per_hit: 3, depth_limit: Some(DEEP), ..Default::default() };
+    let options = InstanceOptions { depth_limit: Some(DEEP), ..Default::default() };
     let mut ours = Deformed::new(&set, options, &[], true, bench.tasks(1))?;
     let (mut whole, mut classics, mut radials, mut counts) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let (mut a_vertex, mut classic_a_vertex) = (Vec::new(), Vec::new());
@@ -89,7 +80,7 @@ fn measure(bench: &Bench, name: &str, set: Arc<ExampleSet>, impacts: &[&Impact],
     };
     let beside_radial = Row::time(format!("{name}_radial"), &Times::new(whole.clone()), "µs");
     bench.add(beside_radial.beside_time("radial dent", &Times::new(radials), Sense::Speed));
-    bench.add(row("", whole, &classics, "µs").aim(Aim::Value(aim)));
+    bench.add(row("", whole, &classics, "µs").aim(Aim::Value(150.0)));
     bench.add(row("_vertex", a_vertex, &classic_a_vertex, "ns/vertex"));
     let all = set.vertex_count() as f64;
     bench.add(Row::new(format!("{name}_moved"), median(&counts), "vertices").beside("of the body", all, Sense::Cost));

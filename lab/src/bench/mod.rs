@@ -15,12 +15,12 @@ pub mod measure;
 mod nodes;
 mod normals;
 mod parts;
+mod predict;
 mod radial;
 mod real;
 pub mod reference;
 pub mod report;
 mod scaling;
-mod select;
 pub mod sheet;
 mod sheets;
 mod worn;
@@ -125,17 +125,17 @@ struct Workload {
 const WORKLOADS: &[Workload] = &[
     Workload {
         name: "deform_1ex",
-        about: "one anchored example moves every vertex of a sheet (_local: a fifth of them), positions only",
+        about: "one example moves every vertex of a sheet (_local: a fifth of them), positions only",
         run: deform::one_example,
     },
     Workload {
         name: "deform_4ex",
-        about: "four overlapping anchored examples, against four passes of the kernel",
+        about: "four overlapping examples, against four passes of the kernel",
         run: deform::four_examples,
     },
     Workload {
         name: "limits",
-        about: "a depth limit, or a stiffness, for every vertex against none: one anchored example, positions only",
+        about: "a depth limit, or a stiffness, for every vertex against none: one example, positions only",
         run: deform::limits,
     },
     Workload {
@@ -144,13 +144,8 @@ const WORKLOADS: &[Workload] = &[
         run: marks::batch,
     },
     Workload {
-        name: "carried",
-        about: "carried marks whose stamps cover the sheet, for each moved vertex",
-        run: marks::carried,
-    },
-    Workload {
         name: "impact",
-        about: "from the contact to positions, normals and bounds, K = 3; the kernel does the positions alone",
+        about: "from the contact to positions, normals and bounds; the kernel does the positions alone",
         run: impact::run,
     },
     Workload {
@@ -160,11 +155,11 @@ const WORKLOADS: &[Workload] = &[
     },
     Workload {
         name: "hit_hood",
-        about: "one more hit on the demo's hood to positions and normals: predicted, and by the nearest examples",
+        about: "one more hit on the demo's hood to positions and normals",
         run: nodes::hits_upon_hits,
     },
     Workload {
-        name: "predict",
+        name: "predict_12",
         about: "from a blow on the demo's hood to the displacements of its nodes",
         run: nodes::predictions,
     },
@@ -175,7 +170,7 @@ const WORKLOADS: &[Workload] = &[
     },
     Workload {
         name: "bytes_vertex",
-        about: "memory of the demo's hood from a file, learned, with normals, without the mesh's own 48 bytes; 12 examples and 300",
+        about: "memory of the demo's hood from a file, with normals, without the mesh's own 48 bytes; 12 examples and 300",
         run: nodes::memory,
     },
     Workload { name: "normals", about: "positions and normals against positions alone", run: normals::run },
@@ -192,7 +187,11 @@ const WORKLOADS: &[Workload] = &[
             scaling::run(bench, lab.as_deref())
         },
     },
-    Workload { name: "select", about: "one hit, 100 examples, without what it does to vertices", run: select::run },
+    Workload {
+        name: "predict_100",
+        about: "one hit, 100 examples, without what it does to vertices",
+        run: predict::run,
+    },
     Workload {
         name: "collider",
         about: "one hit, from submission to the positions of a proxy of about 500 vertices, against those of the base mesh",

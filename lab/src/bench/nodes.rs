@@ -1,9 +1,9 @@
-//! The demo's hood, and the same with a set that has learned to predict blows: one more hit, a prediction, all vertices, and memory.
+//! The demo's hood: one more hit, a prediction, all vertices, and memory.
 
 use std::sync::Arc;
 
-use anyhow::{Context, Result, ensure};
-use crumple::{Blow, Deltas, ExampleSet, Hit, Instance, InstanceOptions, Mark, Placement, Serial, Striker, reorder};
+use anyhow::{Context, Result};
+use crumple::{Blow, Deltas, ExampleSet, Hit, Instance, InstanceOptions, Mark, Serial, Striker, reorder};
 
 use super::Bench;
 use super::baked;
@@ -16,21 +16,12 @@ use super::report::{Aim, Row, Sense};
 /// Which of 64 hits is timed.
 const TIMED: [usize; 3] = [1, 9, 64];
 
-/// How a set answers a hit.
-#[derive(Clone, Copy, PartialEq)]
-pub enum Way {
-    Nearest,
-    Learned,
-}
-
-/// One more hit, told as a blow and predicted from all examples. Names end in `nearest` for a hit told as a displacement that mixes the
-/// nearest examples.
+/// One more hit, told as a blow.
 pub fn hits_upon_hits(bench: &Bench) -> Result<()> {
-    let sets = [set(bench, "hood", Way::Learned)?, set(bench, "hood", Way::Nearest)?].map(Arc::new);
+    let set = Arc::new(set(bench, "hood", 12)?);
     for count in TIMED {
-        let name = format!("hit_hood_{count}");
-        if ["", "_nearest"].iter().any(|end| bench.wanted(&format!("{name}{end}"))) {
-            one_more(bench, &sets, count)?;
+        if bench.wanted(&format!("hit_hood_{count}")) {
+            one_more(bench, &set, count)?;
         }
     }
     Ok(())
@@ -38,7 +29,7 @@ pub fn hits_upon_hits(bench: &Bench) -> Result<()> {
 
 /// From a blow to the displacements of the nodes.
 pub fn predictions(bench: &Bench) -> Result<()> {
-    let set = Arc::new(set(bench, "hood", Way::Learned)?);
+    let set = Arc::new(set(bench, "hood", 12)?);
     let instance = Instance::new(set.clone(), InstanceOptions::default())?;
     let hits = blows(&set, 997);
     let mut next = hits.iter().cycle();
@@ -60,34 +51,20 @@ pub fn memory(bench: &Bench) -> Result<()> {
     };
     for (name, count, aim) in [("bytes_vertex", 12, 90.0), ("bytes_vertex_300", 300, 110.0)] {
         if bench.wanted(name) {
-            let mut set = of(bench, "hood", count)?;
-            let nearest = bytes(&set)?;
-            ensure!(set.learn_rule(bench.tasks(2))?.blows, "the hood's rule is not used");
-            let row = Row::new(name, bytes(&set)?, "B/vertex").beside("not learned", nearest, Sense::Cost);
-            bench.add(row.aim(Aim::Value(aim)));
+            bench.add(Row::new(name, bytes(&set(bench, "hood", count)?)?, "B/vertex").aim(Aim::Value(aim)));
         }
     }
     Ok(())
 }
 
-/// The set of one of the demo's bodies, with all examples carried.
-pub fn set(bench: &Bench, body: &str, way: Way) -> Result<ExampleSet> {
-    let mut set = of(bench, body, 12)?;
-    if way == Way::Learned {
-        ensure!(set.learn_rule(bench.tasks(2))?.blows, "the {body}'s rule is not used");
-    }
-    Ok(set)
-}
-
-/// The set of a body with so many examples: those that it has, and then the same again, a little shallower each time.
-fn of(bench: &Bench, body: &str, count: usize) -> Result<ExampleSet> {
+/// The set of one of the demo's bodies with so many examples: those that it has, and then the same again, a little shallower each time.
+pub fn set(bench: &Bench, body: &str, count: usize) -> Result<ExampleSet> {
     let found = all()?.into_iter().find(|real| real.name == body);
     let mut body = found.with_context(|| format!("the demo's {body} is missing"))?;
     reorder(&mut body.mesh, &mut body.examples);
     let own = body.examples.len();
     let again = |i: usize| {
         let mut example = body.examples[i % own].clone();
-        example.placement = Placement::Carried;
         let share = 1.0 - 0.02 * (i / own) as f32;
         let (Deltas::Full(values) | Deltas::Sparse { values, .. }) = &mut example.positions;
         values.iter_mut().flatten().for_each(|x| *x *= share);
@@ -101,36 +78,34 @@ fn of(bench: &Bench, body: &str, count: usize) -> Result<ExampleSet> {
 }
 
 /// From the hit to positions and normals on one thread, against the classic kernel's positions of the example that moves most.
-fn one_more(bench: &Bench, [learned, nearest]: &[Arc<ExampleSet>; 2], count: usize) -> Result<()> {
+fn one_more(bench: &Bench, set: &Arc<ExampleSet>, count: usize) -> Result<()> {
     let options = InstanceOptions::default();
-    let hits = hits(nearest, count);
-    let (before, last) = (made(nearest, options, &hits[..count - 1])?, hits[count - 1]);
-    let deformed = |set| Deformed::new(set, options, &[], true, bench.tasks(1));
-    let (mut mixing, mut predicting) = (deformed(nearest)?, deformed(learned)?);
+    let mut ours = Deformed::new(set, options, &[], true, bench.tasks(1))?;
     // Another blow each time, because a set remembers its latest predictions.
-    let blows = blows(learned, 997);
-    let told = made(learned, options, &blows[..count - 1])?;
-    let mut next = blows.iter().cycle();
-    let base = nearest.mesh().positions();
-    let fields = nearest.examples().iter().map(|e| field(nearest, e));
+    let blows = blows(set, 997);
+    let before = made(set, options, &blows[..count - 1])?;
+    let mut next = 0;
+    let base = set.mesh().positions();
+    let fields = set.examples().iter().map(|e| field(set, e));
     let most = fields.max_by_key(Vec::len).unwrap_or_default();
     let mut classic = Classic::new(base, &[most], bench.tasks(1));
     let mut contenders = [
-        Contender::new(|| predicting.hit(&told, &[next.next().copied().unwrap_or(last)])),
-        Contender::new(|| mixing.hit(&before, &[last])),
+        Contender::new(|| {
+            next = (next + 1) % blows.len();
+            ours.hit(&before, &blows[next..=next])
+        }),
         Contender::new(|| classic.run()),
     ];
     let times = interleaved(&bench.plan, &mut contenders);
     drop(contenders);
-    let row = |name: String, ours| Row::time(name, ours, "µs").beside_time("classic", &times[2], Sense::Cost);
-    bench.add(row(format!("hit_hood_{count}"), &times[0]).aim(Aim::AtMost(1.6)));
-    bench.add(row(format!("hit_hood_{count}_nearest"), &times[1]).hash(mixing.hash()));
+    let row = Row::time(format!("hit_hood_{count}"), &times[0], "µs").beside_time("classic", &times[1], Sense::Cost);
+    bench.add(row.aim(Aim::AtMost(1.6)));
     Ok(())
 }
 
 /// Positions of all vertices of a body with nine marks, against the classic kernel with one example of all vertices.
 pub fn every_vertex(bench: &Bench) -> Result<()> {
-    let (options, nodes) = (InstanceOptions::default(), &Arc::new(set(bench, "hood", Way::Nearest)?));
+    let (options, nodes) = (InstanceOptions::default(), &Arc::new(set(bench, "hood", 12)?));
     let marks = made(nodes, options, &hits(nodes, 9))?;
     let mut ours = Deformed::new(nodes, options, &marks, false, bench.tasks(1))?;
     ours.run();

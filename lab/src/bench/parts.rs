@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use anyhow::{Result, bail, ensure};
-use crumple::{Contact, Deltas, ExampleData, ExampleSet, Hit, MeshData, Placement, Serial};
+use crumple::{Contact, Deltas, ExampleData, ExampleSet, Hit, MeshData, Serial};
 
 use super::Bench;
 use super::baked;
@@ -57,37 +57,28 @@ pub fn run(bench: &Bench) -> Result<()> {
         joined.positions.extend(&part.positions);
         joined.triangles.extend(part.triangles.iter().map(|t| t.map(|v| first + v)));
     }
-    for (kind, placement) in [("anchored", Placement::Anchored), ("carried", Placement::Carried)] {
-        let name = format!("parts_12_{kind}");
-        if !bench.wanted(&name) {
-            continue;
-        }
-        let dent = Dent { reach: Reach::FIFTH, ..Dent::whole([0.5; 2]) };
-        let example = sheet.example(&dent, placement);
-        let Deltas::Sparse { indices, values } = example.positions else { bail!("the dent covers the sheet") };
-        let moved: HashMap<usize, [f32; 3]> = indices.into_iter().map(|v| v as usize).zip(values).collect();
-        let joined_moves =
-            rows.iter().cloned().flatten().enumerate().filter_map(|(v, of)| Some((v as u32, *moved.get(&of)?)));
-        let (indices, values) = joined_moves.unzip();
-        let centre = whole.positions[sheet.vertex(dent.centre) as usize];
-        let example = ExampleData {
-            positions: Deltas::Sparse { indices, values },
-            contact: Some(Contact::Point(centre)),
-            ..example
-        };
-        let mut set = ExampleSet::build(joined.clone(), vec![example], baked(), bench.tasks(2))?;
-        for part in &parts {
-            set.add_lod(part.clone(), bench.tasks(2))?;
-        }
-        let set = Arc::new(set);
-        let (mut one, mut many) = (Crowd::new(&set, 1, 0..1)?, Crowd::new(&set, 1, 1..PARTS + 1)?);
-        let push = Hit::displacement(centre, [0.0, 0.0, -0.04]);
-        let mut contenders = [Contender::new(|| hit(&mut many, &push)), Contender::new(|| hit(&mut one, &push))];
-        let times = interleaved(&bench.plan, &mut contenders);
-        drop(contenders);
-        ensure!(one.positions() == many.positions(), "{name}: the parts do not have the vertices of the whole");
-        let row = Row::time(name, &times[0], "µs").beside_time("one mesh", &times[1], Sense::Cost);
-        bench.add(row.aim(Aim::AtMost(1.2)).hash(hash(&many.positions())));
+    let dent = Dent { reach: Reach::FIFTH, ..Dent::whole([0.5; 2]) };
+    let example = sheet.example(&dent);
+    let Deltas::Sparse { indices, values } = example.positions else { bail!("the dent covers the sheet") };
+    let moved: HashMap<usize, [f32; 3]> = indices.into_iter().map(|v| v as usize).zip(values).collect();
+    let joined_moves =
+        rows.iter().cloned().flatten().enumerate().filter_map(|(v, of)| Some((v as u32, *moved.get(&of)?)));
+    let (indices, values) = joined_moves.unzip();
+    let centre = whole.positions[sheet.vertex(dent.centre) as usize];
+    let example =
+        ExampleData { positions: Deltas::Sparse { indices, values }, contact: Some(Contact::Point(centre)), ..example };
+    let mut set = ExampleSet::build(joined.clone(), vec![example], baked(), bench.tasks(2))?;
+    for part in &parts {
+        set.add_lod(part.clone(), bench.tasks(2))?;
     }
+    let set = Arc::new(set);
+    let (mut one, mut many) = (Crowd::new(&set, 1, 0..1)?, Crowd::new(&set, 1, 1..PARTS + 1)?);
+    let push = Hit::displacement(centre, [0.0, 0.0, -0.04]);
+    let mut contenders = [Contender::new(|| hit(&mut many, &push)), Contender::new(|| hit(&mut one, &push))];
+    let times = interleaved(&bench.plan, &mut contenders);
+    drop(contenders);
+    ensure!(one.positions() == many.positions(), "the parts do not have the vertices of the whole");
+    let row = Row::time("parts_12", &times[0], "µs").beside_time("one mesh", &times[1], Sense::Cost);
+    bench.add(row.aim(Aim::AtMost(1.2)).hash(hash(&many.positions())));
     Ok(())
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use crumple::import::{MeshChoice, gltf_file};
-use crumple::{Contact, Deltas, ExampleData, MeshData, Placement};
+use crumple::{Contact, Deltas, ExampleData, MeshData};
 
 use crate::scene;
 use crate::truth::{Body, Truth};
@@ -31,7 +31,7 @@ pub fn all() -> Result<Vec<Real>> {
         all.push(Real { name, mesh: read.mesh, examples: read.examples });
     }
     for body in Body::read_smooth()? {
-        let examples = scene::examples(&body, EXAMPLES, Placement::Automatic);
+        let examples = scene::examples(&body, EXAMPLES);
         all.push(Real { name: name(&body), mesh: scene::mesh(&body), examples });
     }
     Ok(all)
@@ -96,7 +96,7 @@ pub struct Finer {
 
 impl Finer {
     /// The body with its first examples.
-    pub fn build(&self, body: &Body, placement: Placement) -> (MeshData, Vec<ExampleData>) {
+    pub fn build(&self, body: &Body) -> (MeshData, Vec<ExampleData>) {
         let mut normals = self.values(&body.normals);
         for n in &mut normals {
             *n = glam::Vec3::from_array(*n).normalize_or(glam::Vec3::Z).to_array();
@@ -110,7 +110,6 @@ impl Finer {
         };
         let example = |i: &crate::truth::Impact| ExampleData {
             contact: Some(Contact::Vertex(self.place[i.contact_vertex as usize])),
-            placement,
             ..ExampleData::new(i.source.clone(), Deltas::Full(self.values(&i.field)))
         };
         (mesh, body.train.iter().take(EXAMPLES).map(example).collect())
@@ -143,7 +142,7 @@ mod tests {
     #[test]
     fn a_finer_body_is_the_same_body() {
         let body = Body::read(Truth::Shots, "tube").unwrap();
-        let (mesh, examples) = finer(&body, 9_000).build(&body, Placement::Anchored);
+        let (mesh, examples) = finer(&body, 9_000).build(&body);
         // Each level adds a vertex an edge: vertices and edges and triangles of a tube sum to 0.
         let edges = body.vertices.len() + body.triangles.len();
         assert_eq!(mesh.positions.len(), body.vertices.len() + edges);

@@ -34,10 +34,7 @@ pub fn run(bench: &Bench, out: Option<&Path>) -> Result<()> {
     let mut threads = Table::threaded(&["method", "threads", "vertices", "ms", "speedup", "hash"]);
     for t in [&mut vertices, &mut threads] {
         t.comment("command", "cargo xtask lab --only speed");
-        t.comment(
-            "ms",
-            "medians of interleaved runs: an anchored example that moves every vertex of a sheet, positions only",
-        );
+        t.comment("ms", "medians of interleaved runs: an example that moves every vertex of a sheet, positions only");
         t.comment("classic", "the classic kernel: entries of 16 bytes, state and base position a vertex");
         t.comment("memcpy", "copying as many positions, 12 bytes a vertex");
         t.comment("times", "as fast as: classic or memcpy over the method");

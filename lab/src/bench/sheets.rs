@@ -1,4 +1,4 @@
-//! The plain case, at any size and on any threads: anchored examples of the sheet, all active, positions only.
+//! The plain case, at any size and on any threads: examples of the sheet, all active, positions only.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -78,7 +78,7 @@ impl Sheets {
         for &count in threads {
             let tasks = bench.tasks(count);
             let set = &self.set;
-            let ours = Deformed::new(set, InstanceOptions::default(), &own_marks(set), false, tasks)?;
+            let ours = Deformed::new(set, InstanceOptions::default(), &own_marks(set)?, false, tasks)?;
             methods.push(("crumple", count, Method::Ours(ours.into())));
             methods.push(("classic", count, Method::Classic(Classic::of_set(set, tasks))));
             let memcpy = Memcpy::new(set.mesh().positions(), self.moved, tasks);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use anyhow::Result;
-use crumple::{ExampleSet, Hit, Instance, InstanceOptions, Mark, Placement};
+use crumple::{ExampleSet, Hit, Instance, InstanceOptions, Mark};
 
 use super::Bench;
 use super::baked;
@@ -21,25 +21,22 @@ const BEFORE: [usize; 2] = [9, 63];
 /// Above every dent, m: measures the dents, not the depth limit.
 const DEEP: f32 = 1.0;
 
-/// From the hit to positions and normals, against the same hit on a body without dents: the lab's smooth bodies with carried
-/// examples, and a hood whose anchored examples move all of it.
+/// From the hit to positions and normals, against the same hit on a body without dents: the lab's smooth bodies, and a hood
+/// whose examples move all of it.
 pub fn run(bench: &Bench) -> Result<()> {
-    for body in bodies(bench.quick)? {
-        let row = format!("worn_carried_{}", name(&body));
+    for body in bodies(bench.quick)?.into_iter().chain([Body::read(Truth::Steel, "hood")?]) {
+        let row = format!("worn_{}", name(&body));
         if bench.wanted(&row) {
-            measure(bench, &row, &body, Placement::Carried)?;
+            measure(bench, &row, &body)?;
         }
-    }
-    if bench.wanted("worn_anchored_steel_hood") {
-        measure(bench, "worn_anchored_steel_hood", &Body::read(Truth::Steel, "hood")?, Placement::Anchored)?;
     }
     Ok(())
 }
 
-fn measure(bench: &Bench, row: &str, body: &Body, placement: Placement) -> Result<()> {
-    let (mesh, examples) = finer(body, VERTICES).build(body, placement);
+fn measure(bench: &Bench, row: &str, body: &Body) -> Result<()> {
+    let (mesh, examples) = finer(body, VERTICES).build(body);
     let set = Arc::new(ExampleSet::build(mesh, examples, baked(), bench.tasks(2))?);
-    let options = InstanceOptions { examples_per_hit: 3, depth_limit: Some(DEEP), ..Default::default() };
+    let options = InstanceOptions { depth_limit: Some(DEEP), ..Default::default() };
     let last = scene::hit(heldout(body, bench.quick)[0]);
     for count in BEFORE {
         let marks = worn(&set, options, count)?;

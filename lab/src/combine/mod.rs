@@ -4,7 +4,7 @@ mod rules;
 
 use anyhow::Result;
 use crumple::{
-    Contact, Deltas, ExampleData, ExampleSet, Hit, InstanceOptions, Placement, Rule as LibraryRule, Serial, SetOptions,
+    Contact, Deltas, ExampleData, ExampleSet, Hit, InstanceOptions, Rule as LibraryRule, Serial, SetOptions,
 };
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use crate::table::{Table, num};
 use crate::truth::{Body, Field};
 use rules::{Dent, Field64, RULES};
 
-/// Examples of the sets that predict dents end to end, and how many one hit mixes.
+/// Examples of the sets that predict dents end to end.
 const EXAMPLES: usize = 24;
 /// Above every dent, m: the rules are compared, not the limit.
 const DEEP: f32 = 1.0;
@@ -141,12 +141,12 @@ pub fn run(options: &Options) -> Result<()> {
         }
         let deep = InstanceOptions { depth_limit: Some(DEEP), ..Default::default() };
         add("true singles", "energies", false, &|case, order| after(&own_set(&body, case)?, &deep, case, order))?;
-        let set = scene::set(&body, examples, Placement::Automatic, SetOptions::default())?;
+        let set = scene::set(&body, examples, SetOptions::default())?;
         for (name, options) in [("energies", &deep), ("all defaults", &InstanceOptions::default())] {
             add("predicted", name, false, &|case, order| after(&set, options, case, order))?;
         }
         let options = SetOptions { drop_below: 1e-4, ..SetOptions::default() };
-        let set = scene::set(&body, examples, Placement::Anchored, options)?;
+        let set = scene::set(&body, examples, options)?;
         for (name, rule) in [
             ("classic, most displaced", LibraryRule::MostDisplaced),
             ("classic, blend k=0.1", LibraryRule::Blend(0.1)),

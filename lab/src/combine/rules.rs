@@ -1,5 +1,5 @@
 //! Rules that combine dents, on plain displacement fields in f64. Each is measured with the true single dents, so that
-//! nothing but the rule is wrong. The library's own rule also widens dents, so the library itself runs it.
+//! nothing but the rule is wrong. The library's own rule asks how far dents act on one place, so the library itself runs it.
 
 /// Displacement of each vertex, m.
 pub type Field64 = Vec<[f64; 3]>;

@@ -11,10 +11,7 @@ use super::engine::Gpu;
 /// nobody sees.)
 const ULP: f64 = f32::EPSILON as f64;
 /// How far devices may be off that round divisions and square roots otherwise than IEEE 754 says: 2 µm.
-pub const ANCHORED_ULPS: f64 = 16.0;
-/// The same with carried examples, whose nodes have weights of 14 bits: 0.1 mm, since dents are up to 60 mm deep
-/// (tests/gpu/compare.rs says why).
-pub const CARRIED_ULPS: f64 = 1000.0;
+pub const ULPS: f64 = 16.0;
 
 /// How far two results agree.
 #[derive(Debug, Clone, Copy, PartialEq)]

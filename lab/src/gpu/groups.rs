@@ -4,11 +4,11 @@ use anyhow::Result;
 use crumple::InstanceOptions;
 
 use super::Bench;
-use super::check::{ANCHORED_ULPS, Agreement};
+use super::check::{Agreement, ULPS};
 use super::findings::Finding;
 use super::literature::{self, Literature, on_the_cpu};
 use super::recorded::{Output, Recorded, WORKGROUP, marked};
-use super::scene::{STRENGTHS, WEIGHT, anchored, at_strength, bytes};
+use super::scene::{STRENGTHS, WEIGHT, at_strength, bytes, sheet};
 use crate::bench::measure::{Contender, Times};
 use crate::bench::reference::field;
 use crate::bench::report::Sense;
@@ -28,9 +28,9 @@ pub fn run(bench: &Bench<'_>, sizes: &[usize]) -> Result<()> {
 
 fn one(bench: &Bench<'_>, size: usize) -> Result<()> {
     let (gpu, tasks) = (bench.gpu, &bench.tasks);
-    let set = anchored(size, &[Dent::whole([0.5; 2])], false, tasks)?;
+    let set = sheet(size, &[Dent::whole([0.5; 2])], false, tasks)?;
     let (base, fields) = (set.mesh().positions(), [field(&set, &set.examples()[0])]);
-    let marks = at_strength(&own_marks(&set), STRENGTHS[0]);
+    let marks = at_strength(&own_marks(&set)?, STRENGTHS[0]);
     let groups: Vec<u32> = SIZES.into_iter().filter(|g| gpu.has_workgroup(*g)).collect();
     let mut ours = Vec::new();
     let mut classic = Vec::new();
@@ -54,10 +54,10 @@ fn one(bench: &Bench<'_>, size: usize) -> Result<()> {
     };
     for (i, group) in groups.iter().enumerate() {
         let what = format!("groups of {group}");
-        let agreement = Agreement::of(gpu, &what, (&ours[i].written()?, &wanted), ANCHORED_ULPS)?;
+        let agreement = Agreement::of(gpu, &what, (&ours[i].written()?, &wanted), ULPS)?;
         let finding = found("positions", *group, &of_ours[i], &of_ours[standard]).checked(agreement);
         bench.add(finding.bytes(bytes(&set, false)));
-        let agreement = Agreement::of(gpu, &what, (&classic[i].vertices()?, &expected), ANCHORED_ULPS)?;
+        let agreement = Agreement::of(gpu, &what, (&classic[i].vertices()?, &expected), ULPS)?;
         let finding = found("classic", *group, &of_classic[i], &of_classic[standard]).checked(agreement);
         bench.add(finding.bytes(literature::BYTES));
     }

@@ -1,15 +1,15 @@
-//! Anchored impulses that overlap: ten of them against one.
+//! Impulses that overlap: ten of them against one.
 
 use anyhow::Result;
 use crumple::{Instance, InstanceOptions, Mark};
 use glam::Vec3;
 
 use super::Bench;
-use super::check::{ANCHORED_ULPS, Agreement};
+use super::check::{Agreement, ULPS};
 use super::findings::Finding;
 use super::literature::{Literature, on_the_cpu};
 use super::recorded::{Output, Recorded, WORKGROUP};
-use super::scene::{STRENGTHS, Toggled, WEIGHT, anchored, at_strength};
+use super::scene::{STRENGTHS, Toggled, WEIGHT, at_strength, sheet};
 use crate::bench::marks::overlapping;
 use crate::bench::measure::{Contender, Times};
 use crate::bench::reference::field;
@@ -28,12 +28,12 @@ pub fn run(bench: &Bench<'_>, sizes: &[usize]) -> Result<()> {
 
 fn one(bench: &Bench<'_>, size: usize, largest: bool) -> Result<()> {
     let (gpu, tasks) = (bench.gpu, &bench.tasks);
-    let set = anchored(size, &overlapping(), false, tasks)?;
+    let set = sheet(size, &overlapping(), false, tasks)?;
     // As deep as ten dents may add up to: the limit must not be what is measured.
     let options = InstanceOptions { depth_limit: Some(1.0), ..InstanceOptions::default() };
     let body =
         || -> Result<Recorded<'_>> { Recorded::one(gpu, Instance::new(set.clone(), options)?, Output::Positions) };
-    let all = own_marks(&set);
+    let all = own_marks(&set)?;
     let fresh = |count: usize| Toggled::marks(body()?, &all[..count], 1);
     // Of a body that has all ten, all change, or the first alone.
     let ten = at_strength(&all, STRENGTHS[0]);
@@ -64,20 +64,19 @@ fn one(bench: &Bench<'_>, size: usize, largest: bool) -> Result<()> {
     };
     for (i, count) in COUNTS.into_iter().enumerate() {
         let (got, wanted) = ours[i].vertices(tasks)?;
-        let agreement = Agreement::of(gpu, &format!("{count} impulses"), (&got, &wanted), ANCHORED_ULPS)?;
+        let agreement = Agreement::of(gpu, &format!("{count} impulses"), (&got, &wanted), ULPS)?;
         bench.add(found("fresh", count, &times[i]).beside("classic", &times[5 + i], Sense::Speed).checked(agreement));
         if count == 10 {
             let finding = found("fresh against one", count, &times[i]).checked(agreement);
             bench.add(finding.beside("one", &times[0], Sense::Cost).aim_if(largest, "impulses"));
         }
         let expected = on_the_cpu(base, &fields[..count], WEIGHT);
-        let agreement =
-            Agreement::of(gpu, &format!("{count} classic"), (&classic[i].vertices()?, &expected), ANCHORED_ULPS)?;
+        let agreement = Agreement::of(gpu, &format!("{count} classic"), (&classic[i].vertices()?, &expected), ULPS)?;
         bench.add(found("classic", count, &times[5 + i]).checked(agreement));
     }
     for (i, body) in again.iter_mut().enumerate() {
         let (got, wanted) = body.vertices(tasks)?;
-        let agreement = Agreement::of(gpu, "repeated impulses", (&got, &wanted), ANCHORED_ULPS)?;
+        let agreement = Agreement::of(gpu, "repeated impulses", (&got, &wanted), ULPS)?;
         let finding = found("repeated", [1, 10][i], &times[3 + i]).checked(agreement);
         let against_one = i == 1;
         let finding = if against_one { finding.beside("one", &times[3], Sense::Cost) } else { finding };

@@ -3,10 +3,10 @@
 use anyhow::Result;
 use crumple::{Instance, InstanceOptions};
 
-use super::check::{ANCHORED_ULPS, Agreement};
+use super::check::{Agreement, ULPS};
 use super::findings::Finding;
 use super::recorded::{Output, Recorded, WORKGROUP};
-use super::scene::{Toggled, anchored};
+use super::scene::{Toggled, sheet};
 use super::{Bench, Scale};
 use crate::bench::measure::Contender;
 use crate::bench::report::Sense;
@@ -27,10 +27,10 @@ pub fn run(bench: &Bench<'_>, sizes: &[usize]) -> Result<()> {
 fn one(bench: &Bench<'_>, size: usize) -> Result<()> {
     let (gpu, tasks) = (bench.gpu, &bench.tasks);
     let of = |vertices: usize, count: usize, step: usize| -> Result<Toggled<'_>> {
-        let set = anchored(vertices, &[Dent::whole([0.5; 2])], false, tasks)?;
+        let set = sheet(vertices, &[Dent::whole([0.5; 2])], false, tasks)?;
         let instance = |_| Ok(Instance::new(set.clone(), InstanceOptions::default())?);
         let instances = (0..count).map(instance).collect::<Result<Vec<_>>>()?;
-        Toggled::marks(Recorded::new(gpu, instances, Output::Positions, WORKGROUP)?, &own_marks(&set), step)
+        Toggled::marks(Recorded::new(gpu, instances, Output::Positions, WORKGROUP)?, &own_marks(&set)?, step)
     };
     let instances = if bench.scale == Scale::Least { 2 * STEP } else { INSTANCES };
     let cases = [("hit", instances / STEP, STEP, Some("instances")), ("all", instances, 1, None)];
@@ -42,7 +42,7 @@ fn one(bench: &Bench<'_>, size: usize) -> Result<()> {
         let vertices = changing * size;
         let add = |method: &str, body: &mut Toggled<'_>, times, beside| -> Result<()> {
             let (got, wanted) = body.vertices(tasks)?;
-            let agreement = Agreement::of(gpu, method, (&got, &wanted), ANCHORED_ULPS)?;
+            let agreement = Agreement::of(gpu, method, (&got, &wanted), ULPS)?;
             let finding = Finding::time("instances", method, &changing.to_string(), vertices, times, "ms");
             let finding = finding.checked(agreement);
             bench.add(match beside {

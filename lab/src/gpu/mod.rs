@@ -6,7 +6,6 @@
 
 mod aims;
 mod buffer;
-mod carried;
 mod check;
 pub mod compiled;
 mod copy;
@@ -95,7 +94,7 @@ const M: usize = 1_000_000;
 const WORKLOADS: &[Workload] = &[
     Workload {
         name: "vertices",
-        about: "one anchored example in 16 bits moves every vertex of a sheet; the classic kernel; the CPU path, all cores",
+        about: "one example in 16 bits moves every vertex of a sheet; the classic kernel; the CPU path, all cores",
         sizes: [
             &[K, 3 * K, 10 * K, 30 * K, 100 * K, 300 * K, M, 3 * M, 10 * M],
             &[K, 3 * K, 10 * K, 30 * K, 100 * K, 300 * K, M],
@@ -112,15 +111,9 @@ const WORKLOADS: &[Workload] = &[
     },
     Workload {
         name: "impulses",
-        about: "one, three and ten anchored impulses that overlap, on a fresh body; and ten that repeat a body's ten marks",
+        about: "one, three and ten impulses that overlap, on a fresh body; and ten that repeat a body's ten marks",
         sizes: [&[100 * K, 10 * M], &[100 * K], &[10 * K], &[256]],
         run: impulses::run,
-    },
-    Workload {
-        name: "carried",
-        about: "one, three and ten carried marks whose stamps cover the sheet",
-        sizes: [&[100 * K, 10 * M], &[100 * K], &[10 * K], &[256]],
-        run: carried::run,
     },
     Workload {
         name: "instances",

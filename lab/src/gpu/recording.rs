@@ -4,21 +4,19 @@ use std::sync::Arc;
 
 use anyhow::{Result, ensure};
 use ash::vk;
-use crumple::{ExampleSet, Instance, InstanceOptions, Mark, Placement};
+use crumple::{ExampleSet, Instance, InstanceOptions, Mark};
 
 use super::buffer::{Buffer, Place};
-use super::check::{Agreement, CARRIED_ULPS};
+use super::check::{Agreement, ULPS};
 use super::findings::Finding;
 use super::literature::Literature;
 use super::recorded::{Output, Recorded, WORKGROUP};
-use super::scene::{Toggled, WEIGHT, anchored};
+use super::scene::{Toggled, WEIGHT, sheet};
 use super::{Bench, Scale};
-use crate::bench::baked;
-use crate::bench::marks::carried_marks;
 use crate::bench::measure::{Contender, Times, timed};
 use crate::bench::reference::field;
 use crate::bench::report::Sense;
-use crate::bench::sheet::{Dent, Reach, Sheet, own_marks};
+use crate::bench::sheet::{Dent, Reach, own_marks};
 
 /// Of each instance; fewer where only that it runs is of interest.
 const VERTICES: usize = 10_000;
@@ -29,32 +27,25 @@ const DENT: Dent = Dent { centre: [0.5; 2], depth: 0.02, reach: Reach::Disc(0.05
 pub fn run(bench: &Bench<'_>, counts: &[usize]) -> Result<()> {
     let tasks = &bench.tasks;
     let vertices = if bench.scale == Scale::Least { 256 } else { VERTICES };
-    let stored = anchored(vertices, &[DENT], false, tasks)?;
-    let sheet = Sheet::new(vertices);
-    let options = crumple::SetOptions { mirror: false, ..baked() };
-    let example = sheet.example(&DENT, Placement::Carried);
-    let carried = Arc::new(ExampleSet::build(sheet.surface(), vec![example], options, tasks)?);
-    let by_hand = by_hand(bench, &stored)?;
+    let set = sheet(vertices, &[DENT], false, tasks)?;
+    let marks = own_marks(&set)?;
+    let by_hand = by_hand(bench, &set)?;
     bench.add(Finding::time("record", "by hand", "", 0, &by_hand, "µs"));
-    for (method, set, marks) in
-        [("anchored", &stored, own_marks(&stored)), ("carried", &carried, carried_marks(&carried, vertices, 1, 1))]
-    {
-        for count in counts {
-            let what = format!("recording {count} instances");
-            let aim = match count {
-                1 => Some("record one"),
-                _ if Some(count) == counts.last() => Some("record many"),
-                _ => None,
-            };
-            bench.fits(&what, one(bench, (method, set, &marks), (*count, aim), &by_hand))?;
-        }
+    for count in counts {
+        let what = format!("recording {count} instances");
+        let aim = match count {
+            1 => Some("record one"),
+            _ if Some(count) == counts.last() => Some("record many"),
+            _ => None,
+        };
+        bench.fits(&what, one(bench, (&set, &marks), (*count, aim), &by_hand))?;
     }
     Ok(())
 }
 
 fn one(
     bench: &Bench<'_>,
-    (method, set, marks): (&str, &Arc<ExampleSet>, &[Mark]),
+    (set, marks): (&Arc<ExampleSet>, &[Mark]),
     (count, aim): (usize, Option<&str>),
     by_hand: &Times,
 ) -> Result<()> {
@@ -69,14 +60,14 @@ fn one(
     let idle = Contender::new(|| bodies.recorded.frame().unwrap_or_else(|e| panic!("{e:#}")).record);
     let [idle] = bench.measure([idle]);
     let (got, wanted) = bodies.vertices(&bench.tasks)?;
-    let agreement = Agreement::of(bench.gpu, &format!("{count} instances"), (&got, &wanted), CARRIED_ULPS)?;
+    let agreement = Agreement::of(bench.gpu, &format!("{count} instances"), (&got, &wanted), ULPS)?;
     let found = |method: &str, times| Finding::time("record", method, &count.to_string(), 0, times, "µs");
-    let finding = found(method, &changed).beside("by hand", by_hand, Sense::Cost).checked(agreement);
+    let finding = found("changed", &changed).beside("by hand", by_hand, Sense::Cost).checked(agreement);
     bench.add(match aim {
         Some(aim) => finding.aim(aim),
         None => finding,
     });
-    bench.add(found(&format!("{method} idle"), &idle).checked(agreement));
+    bench.add(found("idle", &idle).checked(agreement));
     Ok(())
 }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use anyhow::Result;
-use crumple::{ExampleSet, Mark, Placement, SetOptions, TaskSystem};
+use crumple::{ExampleSet, Mark, SetOptions, TaskSystem};
 
 use super::recorded::{Cost, Recorded};
 use crate::bench::baked;
@@ -15,10 +15,10 @@ pub const STRENGTHS: [f64; 2] = [0.9, 0.8];
 /// … and of the paper's hits.
 pub const WEIGHT: f32 = 0.9;
 
-/// Anchored examples of a sheet of about so many vertices, in 16 bits, with normals or without.
-pub fn anchored(vertices: usize, dents: &[Dent], normals: bool, tasks: &dyn TaskSystem) -> Result<Arc<ExampleSet>> {
+/// Examples of a sheet of about so many vertices, in 16 bits, with normals or without.
+pub fn sheet(vertices: usize, dents: &[Dent], normals: bool, tasks: &dyn TaskSystem) -> Result<Arc<ExampleSet>> {
     let sheet = Sheet::new(vertices);
-    let examples = dents.iter().map(|d| sheet.example(d, Placement::Anchored)).collect();
+    let examples = dents.iter().map(|d| sheet.example(d)).collect();
     let mesh = if normals { sheet.surface() } else { sheet.points() };
     let options = SetOptions { mirror: false, ..baked() };
     Ok(Arc::new(ExampleSet::build(mesh, examples, options, tasks)?))
@@ -31,7 +31,7 @@ pub fn at_strength(marks: &[Mark], share: f64) -> Vec<Mark> {
     marks.iter().map(|m| Mark { energy: energy as u64, ..*m }).collect()
 }
 
-/// Bytes a vertex that the library must move to evaluate one anchored mark: base and result, stored numbers and their headers,
+/// Bytes a vertex that the library must move to evaluate one mark: base and result, stored numbers and their headers,
 /// and of each block its place in the list, in the example's table, and its bounds.
 pub fn bytes(set: &ExampleSet, normals: bool) -> f64 {
     let report = set.report();
@@ -39,9 +39,6 @@ pub fn bytes(set: &ExampleSet, normals: bool) -> f64 {
     let stored = (report.anchored_bytes - if normals { 0 } else { report.normal_bytes }) as f64 / moved;
     (if normals { 48.0 } else { 24.0 }) + stored + OF_BLOCKS
 }
-
-/// The same of carried marks, whose stamps stay in caches.
-pub const CARRIED_BYTES: f64 = 24.0 + OF_BLOCKS;
 
 /// Bytes of a block's entry in the list, in the example's table, and of its bounds, for each of its 128 vertices.
 const OF_BLOCKS: f64 = (8.0 + 4.0 + 24.0) / 128.0;

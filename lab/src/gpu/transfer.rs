@@ -9,11 +9,11 @@ use crumple::{ExampleSet, InstanceOptions};
 
 use super::Bench;
 use super::buffer::{Buffer, Place};
-use super::check::{ANCHORED_ULPS, Agreement};
+use super::check::{Agreement, ULPS};
 use super::copy::Copy;
 use super::findings::Finding;
 use super::recorded::{Output, Recorded, marked};
-use super::scene::{STRENGTHS, anchored, at_strength};
+use super::scene::{STRENGTHS, at_strength, sheet};
 use crate::bench::measure::{Contender, Times};
 use crate::bench::report::Sense;
 use crate::bench::sheet::{Dent, own_marks};
@@ -26,7 +26,7 @@ pub fn run(bench: &Bench<'_>, sizes: &[usize]) -> Result<()> {
 }
 
 fn one(bench: &Bench<'_>, size: usize) -> Result<()> {
-    let set = anchored(size, &[Dent::whole([0.5; 2])], false, &bench.tasks)?;
+    let set = sheet(size, &[Dent::whole([0.5; 2])], false, &bench.tasks)?;
     upload(bench, &set)?;
     read_back(bench, &set)
 }
@@ -35,9 +35,9 @@ fn one(bench: &Bench<'_>, size: usize) -> Result<()> {
 fn upload(bench: &Bench<'_>, set: &Arc<ExampleSet>) -> Result<()> {
     let (gpu, tasks, vertices) = (bench.gpu, &bench.tasks, set.vertex_count());
     // Something to record, so small that it counts for nothing, and the pipeline that both take.
-    let small = anchored(64, &[Dent::whole([0.5; 2])], false, tasks)?;
+    let small = sheet(64, &[Dent::whole([0.5; 2])], false, tasks)?;
     let body = |set: &Arc<ExampleSet>| {
-        let marks = at_strength(&own_marks(set), STRENGTHS[0]);
+        let marks = at_strength(&own_marks(set)?, STRENGTHS[0]);
         marked(set, InstanceOptions::default(), &marks)
     };
     let (mut added, mut copied, mut bytes, mut agreement) = (Vec::new(), Vec::new(), 0, None);
@@ -50,7 +50,7 @@ fn upload(bench: &Bench<'_>, set: &Arc<ExampleSet>) -> Result<()> {
         bytes = cost.report.bytes_copied;
         if agreement.is_none() {
             let wanted = uploaded.expected(tasks)?;
-            agreement = Some(Agreement::of(gpu, "what was uploaded", (&uploaded.written()?, &wanted), ANCHORED_ULPS)?);
+            agreement = Some(Agreement::of(gpu, "what was uploaded", (&uploaded.written()?, &wanted), ULPS)?);
         }
     }
     // The same bytes from memory of the same kind, and on the CPU.
@@ -83,7 +83,7 @@ fn upload(bench: &Bench<'_>, set: &Arc<ExampleSet>) -> Result<()> {
 /// The vertices of a deformation into memory of the CPU, against the deformation itself.
 fn read_back(bench: &Bench<'_>, set: &Arc<ExampleSet>) -> Result<()> {
     let (gpu, vertices) = (bench.gpu, set.vertex_count());
-    let marks = at_strength(&own_marks(set), STRENGTHS[0]);
+    let marks = at_strength(&own_marks(set)?, STRENGTHS[0]);
     let mut body = Recorded::one(gpu, marked(set, InstanceOptions::default(), &marks)?, Output::Positions)?;
     body.frame()?;
     let seen = Buffer::new(gpu, body.vertex_buffer().size, Place::ReadBack)?;
@@ -107,7 +107,7 @@ fn read_back(bench: &Bench<'_>, set: &Arc<ExampleSet>) -> Result<()> {
     ]);
     copy.check()?;
     let wanted = body.expected(&bench.tasks)?;
-    let agreement = Agreement::of(gpu, "what was read back", (bytemuck::cast_slice(&result), &wanted), ANCHORED_ULPS)?;
+    let agreement = Agreement::of(gpu, "what was read back", (bytemuck::cast_slice(&result), &wanted), ULPS)?;
     let [deformed] = bench.measure([Contender::new(|| body.run_all())]);
     let found = |method: &str, times| {
         Finding::time("transfer", method, "", vertices, times, "ms").bytes(12.0).checked(agreement)

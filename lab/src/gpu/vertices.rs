@@ -5,12 +5,12 @@ use anyhow::Result;
 use crumple::{Hit, Instance, InstanceOptions, Rule};
 
 use super::Bench;
-use super::check::{ANCHORED_ULPS, Agreement};
+use super::check::{Agreement, ULPS};
 use super::copy::Copy;
 use super::findings::Finding;
 use super::literature::{self, Literature, on_the_cpu};
 use super::recorded::{Output, Recorded, WORKGROUP, marked};
-use super::scene::{STRENGTHS, WEIGHT, anchored, at_strength, bytes};
+use super::scene::{STRENGTHS, WEIGHT, at_strength, bytes, sheet};
 use crate::bench::deformed::Deformed;
 use crate::bench::measure::{Contender, Times};
 use crate::bench::reference::field;
@@ -29,10 +29,10 @@ pub fn run(bench: &Bench<'_>, sizes: &[usize]) -> Result<()> {
 fn one(bench: &Bench<'_>, size: usize, largest: bool) -> Result<()> {
     let (gpu, tasks) = (bench.gpu, &bench.tasks);
     let dents = [Dent::whole([0.5; 2])];
-    let [bare, shaded] = [false, true].map(|normals| anchored(size, &dents, normals, tasks));
+    let [bare, shaded] = [false, true].map(|normals| sheet(size, &dents, normals, tasks));
     let (bare, shaded) = (bare?, shaded?);
     let count = bare.examples()[0].moved_vertices();
-    let marks = at_strength(&own_marks(&bare), STRENGTHS[0]);
+    let marks = at_strength(&own_marks(&bare)?, STRENGTHS[0]);
     let options = InstanceOptions::default();
     let mut positions = Recorded::one(gpu, marked(&bare, options, &marks)?, Output::Positions)?;
     let mut normals = Recorded::one(gpu, marked(&shaded, options, &marks)?, Output::Normals)?;
@@ -48,7 +48,7 @@ fn one(bench: &Bench<'_>, size: usize, largest: bool) -> Result<()> {
     let copy = |bytes: f64| Copy::moving(gpu, bytes * count as f64);
     let (mut copy_positions, mut copy_normals, mut copy_classic) =
         (copy(per_vertex[0])?, copy(per_vertex[1])?, copy(per_vertex[2])?);
-    let mut cpu = Deformed::new(&bare, options, &own_marks(&bare), false, tasks)?;
+    let mut cpu = Deformed::new(&bare, options, &own_marks(&bare)?, false, tasks)?;
 
     let [p, n, c, r, copy_p, copy_n, copy_c, on_cpu, nothing] = bench.measure([
         Contender::new(|| positions.run_all()),
@@ -66,11 +66,10 @@ fn one(bench: &Bench<'_>, size: usize, largest: bool) -> Result<()> {
         Contender::new(|| gpu.timed(|_| ()).unwrap_or_else(|e| panic!("{e:#}"))),
     ]);
 
-    let agreement =
-        |what: &str, got: Vec<f32>, wanted: Vec<f32>| Agreement::of(gpu, what, (&got, &wanted), ANCHORED_ULPS);
+    let agreement = |what: &str, got: Vec<f32>, wanted: Vec<f32>| Agreement::of(gpu, what, (&got, &wanted), ULPS);
     let wanted = positions.expected(tasks)?;
     cpu.hash();
-    let of_cpu = Agreement::of(gpu, "the CPU path", (cpu.positions().as_flattened(), &wanted), ANCHORED_ULPS)?;
+    let of_cpu = Agreement::of(gpu, "the CPU path", (cpu.positions().as_flattened(), &wanted), ULPS)?;
     let of_positions = agreement("positions", positions.written()?, wanted)?;
     let of_normals = agreement("normals", normals.written()?, normals.expected(tasks)?)?;
     let of_classic = agreement("the classic kernel", classic.vertices()?, on_the_cpu(base, &fields, WEIGHT))?;

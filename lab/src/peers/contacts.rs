@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::{Context, Result, ensure};
-use crumple::{ContactOptions, ExampleSet, Hit, Instance, InstanceOptions, Serial};
+use crumple::{ContactOptions, ExampleSet, Hit, Instance, InstanceOptions};
 use rapier3d::prelude::*;
 
 use super::rapier_contacts::RapierContacts;
@@ -141,9 +141,7 @@ pub fn run(options: &Options, programs: Option<&Path>, check: bool) -> Result<()
         // A check is done with the smaller sets, which learn sooner.
         let counts = if check { &EXAMPLES[..1] } else { &EXAMPLES[..] };
         for examples in counts.iter().map(|n| (*n).min(body.train.len())) {
-            let mut set = scene::with_nodes(&body, examples)?;
-            set.learn_rule(&Serial)?;
-            let set = Arc::new(set);
+            let set = scene::with_nodes(&body, examples)?;
             let ours = InstanceOptions { depth_limit: Some(DEEP), ..Default::default() };
             let told = |(i, b): &(&Impact, truth::Blow)| -> Result<f64> {
                 Ok(relative_l2(&scene::field_after(&set, &ours, &[Hit::blow(i.point, scene::blow(b))])?, &i.field))
@@ -290,12 +288,12 @@ fn vector(v: [f32; 3]) -> Vector {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crumple::{Placement, SetOptions};
+    use crumple::SetOptions;
 
     #[test]
     fn a_thrown_striker_leaves_what_its_blow_leaves() {
         let body = Body::read(Truth::Shots, "panel").unwrap();
-        let set = scene::set(&body, 8, Placement::Automatic, SetOptions::default()).unwrap();
+        let set = scene::set(&body, 8, SetOptions::default()).unwrap();
         let ours = InstanceOptions { depth_limit: Some(DEEP), ..Default::default() };
         let mesh = mesh(&body).unwrap();
         for (index, impact) in body.train.iter().take(4).enumerate() {

@@ -17,8 +17,8 @@ pub fn run(options: &Options) -> Result<()> {
     };
     let columns = ["body", "method", "hits", "depth", "seam", "bytes_of_damage", "marks", "finite"];
     let mut table = Table::new(&columns);
-    table.comment("what", "random hits of 0.02 to 1.5 times the deepest example, one sequence");
-    table.comment("depth", "deepest vertex over the deepest example");
+    table.comment("what", "random hits of 0.02 to 1.5 times the depth limit, one sequence");
+    table.comment("depth", "deepest vertex over the depth limit");
     table.comment("seam", "largest edge jump over the largest in any example");
     for name in Truth::SMOOTH_BODIES {
         let (body, set) = shots(name)?;

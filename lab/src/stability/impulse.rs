@@ -14,20 +14,12 @@ const DURATION: f32 = 0.01;
 
 pub fn run(options: &Options) -> Result<()> {
     let (step, seeds) = if options.quick { (4, 2) } else { (2, 5) };
-    let columns = [
-        "body",
-        "method",
-        "impulse_ns",
-        "target_over_deepest_example",
-        "depth_median",
-        "depth_worst",
-        "all_finite",
-        "n",
-    ];
+    let columns =
+        ["body", "method", "impulse_ns", "target_over_limit", "depth_median", "depth_worst", "all_finite", "n"];
     let mut table = Table::new(&columns);
     table.comment(
         "what",
-        format!("{HITS} random hits of one impulse, 10 ms, 1 kg; depth: deepest vertex over the deepest example"),
+        format!("{HITS} random hits of one impulse, 10 ms, 1 kg; depth: deepest vertex over the depth limit"),
     );
     for name in Truth::SMOOTH_BODIES {
         let (_, set) = shots(name)?;

@@ -1,7 +1,7 @@
 //! Examples that fold the surface: how many triangles turn over, in the example itself and in what is made of it.
 
 use anyhow::Result;
-use crumple::{Hit, Placement, SetOptions};
+use crumple::{Hit, SetOptions};
 
 use super::Method;
 use super::sheet::{self, Bowl};
@@ -32,7 +32,7 @@ pub fn run(options: &Options) -> Result<()> {
     for i in 0..=steps {
         let pull = 3.0 * f64::from(i) / f64::from(steps);
         let bowl = Bowl { pull, ..Bowl::new([0.0, 0.0], RADIUS, DEPTH) };
-        let set = sheet::set(n, &[bowl], Placement::Automatic, SetOptions::default())?;
+        let set = sheet::set(n, &[bowl], SetOptions::default())?;
         let turned = |field: &Field| inverted(field, &mesh.positions, &mesh.triangles);
         let own = turned(&bowl.field(&mesh.positions));
         let mut row = |method: &str, hits: &str, count: usize| {

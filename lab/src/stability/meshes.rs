@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use anyhow::Result;
-use crumple::{Deltas, ExampleData, ExampleSet, MeshData, Placement, Serial, SetOptions};
+use crumple::{Deltas, ExampleData, ExampleSet, MeshData, Serial, SetOptions};
 
 use super::sheet::{self, Bowl};
 use super::{Dice, Method, finite, hash, random_hit};
@@ -124,7 +124,7 @@ pub fn run(options: &Options) -> Result<()> {
             Bowl::new([0.3, 0.25], 0.2, 0.03),
             Bowl::new([-0.25, -0.25], 0.3, 0.04),
         ];
-        let mut examples: Vec<ExampleData> = bowls.iter().map(|b| b.example(&mesh, Placement::Automatic)).collect();
+        let mut examples: Vec<ExampleData> = bowls.iter().map(|b| b.example(&mesh)).collect();
         // Where an example was hit is found, not told: the spoilt meshes have other vertices.
         examples.iter_mut().for_each(|e| e.contact = None);
         change(&mut mesh, &mut examples);

@@ -16,7 +16,7 @@ mod support;
 use std::sync::Arc;
 
 use anyhow::Result;
-use crumple::{ExampleSet, Hit, Instance, InstanceOptions, Placement, Rule, Selection, SetOptions};
+use crumple::{ExampleSet, Hit, Instance, InstanceOptions, Rule, Selection, SetOptions};
 
 use crate::truth::{Body, Field, Truth};
 use crate::{Options, scene};
@@ -98,7 +98,7 @@ impl Method {
 /// A body of the shots with all library defaults.
 pub fn shots(body: &'static str) -> Result<(Body, Arc<ExampleSet>)> {
     let body = Body::read(Truth::Shots, body)?;
-    let set = scene::set(&body, EXAMPLES, Placement::Automatic, SetOptions::default())?;
+    let set = scene::set(&body, EXAMPLES, SetOptions::default())?;
     Ok((body, set))
 }
 

@@ -1,7 +1,7 @@
 //! A contact that walks to the rim of an example's support and beyond.
 
 use anyhow::Result;
-use crumple::{Hit, Placement, SetOptions};
+use crumple::{Hit, SetOptions};
 
 use super::sheet::{self, Bowl};
 use super::{Method, apart};
@@ -16,14 +16,8 @@ pub fn run(options: &Options) -> Result<()> {
     let n = if options.quick { 80 } else { 200 };
     let first = Bowl::new([-0.25, 0.0], 0.3, 0.05);
     let others = [Bowl::new([0.3, 0.25], 0.18, 0.03), Bowl::new([0.25, -0.3], 0.2, 0.04)];
-    let columns = [
-        "method",
-        "distance_over_radius",
-        "scale",
-        "depth_over_target",
-        "depth_at_contact_over_target",
-        "change_m_per_m",
-    ];
+    let columns =
+        ["method", "distance_over_radius", "depth_over_target", "depth_at_contact_over_target", "change_m_per_m"];
     let mut table = Table::new(&columns);
     table.comment(
         "what",
@@ -31,7 +25,7 @@ pub fn run(options: &Options) -> Result<()> {
     );
     table.comment("target_m", TARGET);
     table.comment("squares", n * n);
-    let set = sheet::set(n, &[first, others[0], others[1]], Placement::Automatic, SetOptions::default())?;
+    let set = sheet::set(n, &[first, others[0], others[1]], SetOptions::default())?;
     let step = 1.0 / n as f64;
     for method in [Method::Ours, Method::Classic, Method::Unclamped] {
         let mut last = None;
@@ -41,13 +35,11 @@ pub fn run(options: &Options) -> Result<()> {
             let mut instance = method.instance(&set)?;
             let outcome = instance.submit(&Hit::displacement(point, [0.0, 0.0, -TARGET as f32]))?;
             let field = crate::scene::displacements(&mut instance)?;
-            let scale = outcome.chosen.iter().flatten().map(|c| f64::from(c.scale)).fold(0.0, f64::max);
             let change = last.as_ref().map_or(f64::NAN, |l| apart(&field, l) / step);
             let contact = crate::metric::length(field[outcome.contact_vertex as usize]);
             table.row([
                 method.name().to_owned(),
                 num(distance / first.radius),
-                num(scale),
                 num(deepest(&field) / TARGET),
                 num(contact / TARGET),
                 num(change),

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use anyhow::Result;
-use crumple::{Deltas, ExampleSet, Hit, Placement, Serial, SetOptions};
+use crumple::{Deltas, ExampleSet, Hit, Serial, SetOptions};
 
 use super::{Dice, Method};
 use crate::metric::relative_l2;
@@ -66,7 +66,7 @@ impl Placed {
         for p in &mut mesh.positions {
             *p = [0, 1, 2].map(|k| (f64::from(p[k]) * scale + away[k]) as f32);
         }
-        let mut examples = scene::examples(body, EXAMPLES, Placement::Automatic);
+        let mut examples = scene::examples(body, EXAMPLES);
         for e in &mut examples {
             if let Deltas::Full(field) = &mut e.positions {
                 field.iter_mut().for_each(|u| *u = u.map(|x| (f64::from(x) * scale) as f32));

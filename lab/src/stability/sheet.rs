@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use anyhow::Result;
-use crumple::{Contact, Deltas, ExampleData, ExampleSet, MeshData, Placement, Serial, SetOptions};
+use crumple::{Contact, Deltas, ExampleData, ExampleSet, MeshData, Serial, SetOptions};
 
 use crate::truth::Field;
 
@@ -50,18 +50,17 @@ impl Bowl {
         positions.iter().map(one).collect()
     }
 
-    pub fn example(&self, mesh: &MeshData, placement: Placement) -> ExampleData {
+    pub fn example(&self, mesh: &MeshData) -> ExampleData {
         ExampleData {
             contact: Some(Contact::Point([self.at[0] as f32, self.at[1] as f32, 0.0])),
-            placement,
             ..ExampleData::new("bowl", Deltas::Full(self.field(&mesh.positions)))
         }
     }
 }
 
 /// A set of bowls in a sheet of `n` by `n` squares.
-pub fn set(n: usize, bowls: &[Bowl], placement: Placement, options: SetOptions) -> Result<Arc<ExampleSet>> {
+pub fn set(n: usize, bowls: &[Bowl], options: SetOptions) -> Result<Arc<ExampleSet>> {
     let mesh = sheet(n);
-    let examples = bowls.iter().map(|b| b.example(&mesh, placement)).collect();
+    let examples = bowls.iter().map(|b| b.example(&mesh)).collect();
     Ok(Arc::new(ExampleSet::build(mesh, examples, options, &Serial)?))
 }

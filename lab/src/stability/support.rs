@@ -1,7 +1,7 @@
 //! Examples that reach no further than one vertex, and examples that reach far beyond the body.
 
 use anyhow::Result;
-use crumple::{Hit, Placement, SetOptions};
+use crumple::{BasisOptions, Hit, SetOptions};
 
 use super::sheet::{self, Bowl};
 use super::{Method, finite};
@@ -10,6 +10,8 @@ use crate::metric::{deepest, relative_l2};
 use crate::table::{Table, num};
 
 const DEPTH: f64 = 0.02;
+/// Of vertices that follow nodes, m.
+const TOLERANCE: f32 = 5e-4;
 /// Where the body is hit, away from the example in its middle. Both are vertices.
 const HIT: [f64; 2] = [0.125, 0.0625];
 
@@ -27,7 +29,9 @@ pub fn run(options: &Options) -> Result<()> {
         for i in 0..=4 * per_decade {
             let radius = 1e-3 * 10f64.powf(f64::from(i) / f64::from(per_decade));
             let bowl = Bowl::new([0.0, 0.0], radius, DEPTH);
-            let set = sheet::set(n, &[bowl], Placement::Automatic, SetOptions::default())?;
+            // Small bowls need nodes of their own.
+            let basis = Some(BasisOptions::new(TOLERANCE));
+            let set = sheet::set(n, &[bowl], SetOptions { basis, ..SetOptions::default() })?;
             let point = [HIT[0] as f32, HIT[1] as f32, 0.0];
             let field = method.after(&set, &[Hit::displacement(point, [0.0, 0.0, -DEPTH as f32])])?;
             let truth = Bowl { at: HIT, ..bowl }.field(&sheet::sheet(n).positions);

@@ -42,9 +42,6 @@ pub struct Arguments {
     /// How impacts add up: marks, or one of the paper's classic rules, most-displaced or blend=K (K from 0 to 1)
     #[arg(long, default_value = "marks", value_parser = rule)]
     rule: Rule,
-    /// Mix up to K of the nearest examples for each hit [default: predict hits from all examples, or mix 3 where that is better]
-    #[arg(id = "per_hit", long = "examples", value_name = "K", value_parser = clap::value_parser!(u32).range(1..=4))]
-    examples_per_hit: Option<u32>,
     /// Number of threads; 0 is one per core
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=1024))]
     threads: u32,
@@ -84,9 +81,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     let pictures = if arguments.png.is_some() { &Kind::ALL[..] } else { &[] };
     let bar = progress(impacts.len() + 3 + pictures.len());
     bar.set_message("reading");
-    // Both rules mix examples.
-    let mixes = arguments.rule != Rule::Marks || arguments.examples_per_hit.is_some();
-    let source = if mixes { arguments.input.load_unlearned(&pool)? } else { arguments.input.load(&pool)? };
+    let source = arguments.input.load(&pool)?;
     if arguments.png.is_some() && source.set.mesh().triangles().is_empty() {
         bail!("the mesh has no triangles, so no picture can be drawn; remove --png");
     }
@@ -140,14 +135,10 @@ pub fn run(arguments: &Arguments) -> Result<String> {
 }
 
 fn options(arguments: &Arguments) -> InstanceOptions {
-    let mut options = match arguments.rule {
+    match arguments.rule {
         Rule::Marks => InstanceOptions::default(),
         rule => InstanceOptions::classic(rule),
-    };
-    if let Some(k) = arguments.examples_per_hit {
-        options.examples_per_hit = k;
     }
-    options
 }
 
 fn same_file(a: &std::path::Path, b: &std::path::Path) -> bool {
@@ -238,7 +229,7 @@ fn report(
         ">target mm",
         ">achieved mm",
         ">short mm",
-        "examples (share x scale)",
+        "expected error",
     ]);
     let set = &source.set;
     // Lengths are the scene's.
@@ -253,7 +244,7 @@ fn report(
             length(outcome.target),
             length(outcome.achieved),
             length(outcome.shortfall()),
-            chosen(set, instance.depth_limit(), outcome),
+            left(set, instance.depth_limit(), outcome),
         ]);
     }
     if !impacts.is_empty() {
@@ -290,9 +281,9 @@ fn report(
             millimetres(deepest.1 * scale)
         )?;
     }
-    if moved == 0 && marked > 0 {
-        let local = impacts.iter().any(|impact| impact.hit.space == Space::Local);
-        let why = if local && scale != 1.0 {
+    let scaled = scale != 1.0 && impacts.iter().any(|impact| impact.hit.space == Space::Local);
+    if moved == 0 && (marked > 0 || scaled) {
+        let why = if scaled {
             "; the node scales the mesh, and impacts are in its own space and unit: give them \"space\": \"world\" for the scene's"
         } else {
             "; check the impacts' unit (m)"
@@ -369,25 +360,19 @@ fn warnings(
     Ok(())
 }
 
-/// The examples of a hit's mark, or the reason why it has no mark.
-fn chosen(set: &ExampleSet, limit: f32, outcome: &Outcome) -> String {
-    match outcome.status {
+/// The expected error of a hit's dent, the example of a classic rule, or the reason why it leaves nothing.
+fn left(set: &ExampleSet, limit: f32, outcome: &Outcome) -> String {
+    let what = match outcome.status {
         HitStatus::BelowYield => return "below yield: no mark".into(),
         HitStatus::Rigid => return "the part is rigid: no mark".into(),
-        HitStatus::NothingReaches => return "no example moves the contact in that direction".into(),
-        _ => {}
-    }
-    let parts: Vec<String> = outcome
-        .chosen
-        .iter()
-        .flatten()
-        .map(|c| {
-            let name = set.examples().get(c.example as usize).map_or("?", |e| e.name());
-            let how = if c.anchored { "anchored" } else { "carried" };
-            format!("{name} {:.0}% x{:.2} {how}", c.share * 100.0, c.scale)
-        })
-        .collect();
-    let predicted = if parts.is_empty() { "all, as the set has learned" } else { "" };
-    let limit = if is_cut(set, limit, outcome) { "; cut to the depth limit" } else { "" };
-    format!("{}{predicted}{limit}", parts.join(", "))
+        HitStatus::NothingReaches => return "no example moves the contact".into(),
+        _ => match outcome.classic {
+            Some(chosen) => {
+                let name = set.examples().get(chosen.example as usize).map_or("?", |e| e.name());
+                format!("{name} x{:.2}", chosen.weight)
+            }
+            None => outcome.expected_error.map(|error| format!("{error:.2}")).unwrap_or_default(),
+        },
+    };
+    if is_cut(set, limit, outcome) { format!("{what}; cut to the depth limit") } else { what }
 }

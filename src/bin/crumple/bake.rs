@@ -3,16 +3,13 @@
 use crate::{
     info,
     output::{Output, progress},
-    picture::millimetres,
-    source::{Input, learn_rule, write_notes},
+    source::{Input, write_notes},
     table::{Table, count},
     units::{angle, length, mass},
 };
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
-use crumple::{
-    BasisReport, ExampleSet, MeshData, RuleReport, SetOptions, Stamp, TaskSystem, ThreadPool, VertexMass, import,
-};
+use crumple::{BasisReport, ExampleSet, MeshData, SetOptions, TaskSystem, ThreadPool, VertexMass, import};
 use indicatif::ProgressBar;
 use std::{fmt::Write, path::PathBuf, time::Instant};
 
@@ -33,9 +30,6 @@ pub struct Arguments {
     /// Largest error of a stored normal, such as 1deg or 0.02rad (a bare number is degrees); needs --tolerance
     #[arg(long, value_name = "ANGLE", value_parser = angle, requires = "tolerance")]
     normal_tolerance: Option<f32>,
-    /// Nodes along the longest side of the grid that a carried dent is stored in; with --tolerance, the largest number
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..=128))]
-    stamp_resolution: Option<u32>,
     /// No vertex moves further than this [default: 4/3 of the depth of the deepest example]
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     depth_limit: Option<f32>,
@@ -111,10 +105,10 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     let options = SetOptions {
         depth_limit: arguments.depth_limit,
         mass: arguments.vertex_mass.map_or(VertexMass::None, VertexMass::Uniform),
-        stamp_resolution: arguments.stamp_resolution.unwrap_or(defaults.stamp_resolution),
         tolerance: arguments.tolerance,
         normal_tolerance: arguments.normal_tolerance.unwrap_or(defaults.normal_tolerance),
         whole_examples: arguments.whole_examples,
+        basis: arguments.input.basis(),
         ..defaults
     };
     let start = Instant::now();
@@ -122,8 +116,6 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     for mesh in part_meshes {
         set.add_lod(mesh, &pool).with_context(|| shown.to_string())?;
     }
-    arguments.input.learn_basis(&mut set, &pool)?;
-    let rule = learn_rule(&mut set, &pool)?;
     let built = start.elapsed();
     bar.inc(1);
     bar.set_message("writing");
@@ -137,7 +129,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     file.fill(&bytes)?;
     let length = bytes.len();
     let start = Instant::now();
-    let written = ExampleSet::load(bytes, &pool).context("the baked set does not load")?;
+    ExampleSet::load(bytes, &pool).context("the baked set does not load")?;
     let loaded = start.elapsed();
     file.commit()?;
     permutation.map(Output::commit).transpose()?;
@@ -150,18 +142,9 @@ pub fn run(arguments: &Arguments) -> Result<String> {
         info::parts(&mut text, &imported.parts)?;
         text.push('\n');
     }
-    let held = written.report().stamp_bytes;
-    sizes(&mut text, &set, (length, held));
-    if held == 0 && set.report().stamp_bytes > 0 {
-        writeln!(text, "\n  stamps    none: the set predicts every hit from all of its examples")?;
-    } else {
-        stamps(&mut text, &set)?;
-    }
+    sizes(&mut text, &set, length);
     if let Some(report) = set.basis_report() {
         followed(&mut text, &report, arguments.input.basis)?;
-    }
-    if let Some(report) = &rule {
-        predicted(&mut text, report)?;
     }
     info::blows(&mut text, &set);
     info::learned(&mut text, &set)?;
@@ -201,8 +184,8 @@ fn megabytes(bytes: usize) -> String {
     if bytes < 100_000 { format!("{:.1} kB", bytes as f64 * 1e-3) } else { format!("{:.2} MB", bytes as f64 * 1e-6) }
 }
 
-/// Reports the bytes of each part of a file, of which its stamps take so many, compared with the plain sparse form.
-fn sizes(text: &mut String, set: &ExampleSet, (file, stamps): (usize, usize)) {
+/// Reports the bytes of each part of a file, compared with the plain sparse form.
+fn sizes(text: &mut String, set: &ExampleSet, file: usize) {
     let report = set.report();
     let moved = report.moved_vertices.max(1);
     let whole = if set.options().whole_examples { report.anchored_bytes } else { 0 };
@@ -213,9 +196,8 @@ fn sizes(text: &mut String, set: &ExampleSet, (file, stamps): (usize, usize)) {
     };
     row("plain sparse displacements", moved * SPARSE);
     row("whole examples", whole);
-    row("stamps", stamps);
     row("nodes", nodes);
-    row("mesh, index and the rest", file - whole - stamps - nodes);
+    row("mesh, index and the rest", file - whole - nodes);
     row("file", file);
     table.write(text);
     let [vertices, examples] = [(moved, "vertex", "vertices"), (set.examples().len(), "example", "examples")]
@@ -239,59 +221,6 @@ fn followed(text: &mut String, report: &BasisReport, tolerance: Option<f32>) -> 
         Some(least) => {
             writeln!(text, "  Warning: {off}, where {} was asked for; no more nodes were tried.", mm(least))?;
         }
-    }
-    Ok(())
-}
-
-/// Reports what the set predicts from all of its examples.
-fn predicted(text: &mut String, report: &RuleReport) -> Result<()> {
-    let mut errors = report.errors.clone();
-    errors.sort_by(f32::total_cmp);
-    let error = errors.get(errors.len() / 2).copied().unwrap_or(1.0);
-    let what = match (report.blows, report.displacements) {
-        (true, true) => "blows and displacements are predicted from all examples",
-        (true, false) => {
-            "blows are predicted from all examples; displacements from the nearest ones, which is better here"
-        }
-        (false, true) => {
-            "displacements are predicted from all examples; blows from the nearest ones, which is better here"
-        }
-        (false, false) => "hits use the nearest examples, which predict each other better here than all examples do",
-    };
-    writeln!(text, "  rule      {what}")?;
-    writeln!(text, "            error {error:.2}, median over the examples left out in turn; no dent at all is 1")?;
-    Ok(())
-}
-
-/// Reports the grids that carried dents are stored in, and whether they hold the tolerance.
-fn stamps(text: &mut String, set: &ExampleSet) -> Result<()> {
-    let all: Vec<(&str, &Stamp)> = set.examples().iter().filter_map(|e| Some((e.name(), e.stamp()?))).collect();
-    if all.is_empty() {
-        writeln!(text, "\n  stamps    none: no example may be carried")?;
-        return Ok(());
-    }
-    text.push('\n');
-    let mut table = Table::new(&["stamp", ">nodes", ">largest mm", ">rms mm"]);
-    for (name, s) in &all {
-        let ([x, y], error) = (s.dims(), s.error());
-        table.row(vec![(*name).into(), format!("{x} x {y}"), millimetres(error.max), millimetres(error.rms)]);
-    }
-    table.write(text);
-    let Some(tolerance) = set.options().tolerance else { return Ok(()) };
-    let off = |s: &Stamp| s.error().max;
-    let held = all.iter().filter(|(_, s)| off(s) <= tolerance).count();
-    let worst = all.iter().max_by(|a, b| off(a.1).total_cmp(&off(b.1)));
-    if let (true, Some((name, worst))) = (held < all.len(), worst) {
-        writeln!(
-            text,
-            "\n  {held} of {} hold the tolerance when carried. {name} is off by up to {} mm: no grid of up to {} nodes a side \
-             is finer.",
-            count(all.len(), "stamp", "stamps"),
-            millimetres(off(worst)),
-            set.options().stamp_resolution
-        )?;
-    } else {
-        writeln!(text, "\n  All stamps hold the tolerance.")?;
     }
     Ok(())
 }

@@ -9,7 +9,7 @@ use crate::{
 use anyhow::Result;
 use clap::Args;
 use crumple::{
-    Aabb, ExampleSet, Mesh, Mirror, Placement, ThreadPool,
+    Aabb, ExampleSet, Mesh, Mirror, ThreadPool,
     glam::Vec3,
     import::{Part, PartKind},
 };
@@ -67,10 +67,7 @@ fn body(text: &mut String, source: &Source) -> Result<()> {
     writeln!(text, "  mirror    {}", planes(report.mirror_planes))?;
     if report.held_vertices > 0 {
         let held = count(report.held_vertices, "vertex", "vertices");
-        writeln!(
-            text,
-            "  rim       {held} on edges that the examples show to be held; carried dents do not move them"
-        )?;
+        writeln!(text, "  rim       {held} on edges that the examples show to be held; dents do not move them")?;
     }
     if report.limited_vertices + report.stiff_vertices > 0 {
         writeln!(
@@ -147,25 +144,10 @@ fn planes(planes: Mirror) -> String {
 /// `scale` takes lengths of the mesh's space to the scene's.
 fn examples(text: &mut String, set: &ExampleSet, scale: f32) {
     text.push('\n');
-    let heads = [
-        ">#",
-        "example",
-        ">moved",
-        ">depth mm",
-        ">deepest mm",
-        ">support m",
-        ">contact",
-        "contact point m",
-        "placement",
-    ];
+    let heads =
+        [">#", "example", ">moved", ">depth mm", ">deepest mm", ">support m", ">contact", "contact point m", ">error"];
     let mut table = Table::new(&heads);
-    for (i, e) in set.examples().iter().enumerate() {
-        let placement = match e.placement() {
-            _ if e.is_empty() => "empty: never chosen",
-            Placement::Automatic => "automatic",
-            Placement::Anchored => "anchored",
-            Placement::Carried => "carried",
-        };
+    for (i, (e, error)) in set.examples().iter().zip(set.example_errors()).enumerate() {
         table.row(vec![
             i.to_string(),
             e.name().to_owned(),
@@ -175,36 +157,18 @@ fn examples(text: &mut String, set: &ExampleSet, scale: f32) {
             format!("{:.3}", e.support_radius() * scale),
             e.contact_vertex().to_string(),
             point(e.contact_point()),
-            placement.into(),
+            if e.is_empty() { "empty".into() } else { format!("{error:.2}") },
         ]);
     }
     table.write(text);
     blows(text, set);
 }
 
-/// Reports how many examples know their blow, and how well the blows predict each other's depth.
+/// Reports how many examples know their blow.
 pub fn blows(text: &mut String, set: &ExampleSet) {
     let known = set.examples().iter().filter(|e| e.blow().total_impulse().is_some()).count();
     let known = if known == 0 { "no example knows its blow".into() } else { of(known, set.examples().len()) };
     text.push_str(&format!("\n  blows     {known}\n"));
-    let Some(response) = set.response() else { return };
-    let errors = response.depth_error().iter().enumerate().filter_map(|(i, e)| e.map(|e| (i, e)));
-    let Some((worst, error)) = errors.max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0))) else { return };
-    let name = |i: usize| plain(set.examples()[i].name());
-    let median = response.median_depth_error();
-    text.push_str(&format!(
-        "  depth     {:.0} % off when the other blows predict it, median; worst {:.0} %, {} (#{worst})\n",
-        100.0 * median,
-        100.0 * error,
-        name(worst)
-    ));
-    for (harder, softer) in response.contradictions() {
-        text.push_str(&format!(
-            "  warning   {} (#{harder}) was hit harder than {} (#{softer}) at the same place and is not deeper\n",
-            name(*harder as usize),
-            name(*softer as usize)
-        ));
-    }
 }
 
 /// A name on one line.
@@ -219,28 +183,18 @@ fn of(known: usize, all: usize) -> String {
 
 /// Reports how well the examples predict each other, each left out in turn.
 pub fn learned(text: &mut String, set: &ExampleSet) -> Result<()> {
-    let learned = set.learned();
-    let (Some(median), Some((worst, error))) = (learned.median(), learned.worst()) else { return Ok(()) };
+    let errors = set.example_errors();
+    let mut left: Vec<usize> = (0..errors.len()).filter(|i| !set.examples()[*i].is_empty()).collect();
+    left.sort_by(|a, b| errors[*a].total_cmp(&errors[*b]));
+    let Some(worst) = left.last().filter(|_| left.len() > 1) else { return Ok(()) };
     text.push_str("\n  Examples predict each other\n");
     writeln!(
         text,
-        "  error     {median:.2}, median over the examples left out in turn; 0 is perfect, no dent at all is 1"
+        "  error     {:.2}, median over the examples left out in turn; 0 is perfect, no dent at all is 1",
+        errors[left[left.len() / 2]]
     )?;
-    let name = plain(set.examples()[worst].name());
-    writeln!(text, "  worst     {error:.2}, {name} (#{worst}): one more near it would help most")?;
-    writeln!(text, "  reach     the influence of an example fades over {:.1} diagonals", learned.place_width)?;
-    let stay: Vec<String> =
-        (0..learned.anchored.len()).filter(|i| learned.anchored[*i]).map(|i| i.to_string()).collect();
-    match stay.len() {
-        0 => writeln!(text, "  placement hits between the automatic examples carry them")?,
-        n => writeln!(
-            text,
-            "  placement hits around {} leave {} in place: {}",
-            count(n, "automatic example", "automatic examples"),
-            if n == 1 { "it" } else { "them" },
-            stay.join(", ")
-        )?,
-    }
+    let name = plain(set.examples()[*worst].name());
+    writeln!(text, "  worst     {:.2}, {name} (#{worst}): one more near it would help most", errors[*worst])?;
     Ok(())
 }
 
@@ -258,11 +212,11 @@ fn reach(text: &mut String, set: &ExampleSet) -> Result<()> {
     }
     text.push('\n');
     if missed == 0 {
-        writeln!(text, "  Anchored, the examples move every vertex.")?;
+        writeln!(text, "  The examples move every vertex.")?;
     } else {
         writeln!(
             text,
-            "  Anchored, the examples do not move {} of {} vertices ({}; {} of the area).",
+            "  The examples do not move {} of {} vertices ({}; {} of the area).",
             missed,
             set.vertex_count(),
             percent(missed as f64, set.vertex_count() as f64),
@@ -282,22 +236,7 @@ fn reach(text: &mut String, set: &ExampleSet) -> Result<()> {
             )?;
         }
     }
-    let near: f64 = areas.iter().zip(mesh.positions()).filter(|(_, p)| stays(set, **p)).map(|(a, _)| a).sum();
-    writeln!(
-        text,
-        "  On {} of the area a hit is near the contact of an example, which stays anchored if it is about as deep. Elsewhere examples are carried.",
-        percent(near, area)
-    )?;
     Ok(())
-}
-
-/// Whether a hit at `p` finds an example that was made there and may stay in place.
-fn stays(set: &ExampleSet, p: Vec3) -> bool {
-    set.examples().iter().filter(|e| !e.is_empty()).any(|e| match e.placement() {
-        Placement::Automatic => e.contact_point().distance(p) <= 0.1 * e.support_radius(),
-        Placement::Anchored => e.contact_point().distance(p) <= e.support_radius(),
-        Placement::Carried => false,
-    })
 }
 
 /// The area of each vertex: a third of that of the triangles around it, m².

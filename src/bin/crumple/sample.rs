@@ -33,7 +33,7 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<String> {
     let mut file = Output::create_as(&arguments.output, "json", "JSON")?;
-    let source = arguments.input.load_unlearned(&ThreadPool::new(0)?)?;
+    let source = arguments.input.load(&ThreadPool::new(0)?)?;
     let impacts = sample(&source, arguments.count as usize, arguments.seed)?;
     file.fill(impacts::format(&impacts)?.as_bytes())?;
     file.commit()?;

@@ -8,7 +8,7 @@ use crate::{
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use crumple::{
-    BasisOptions, ExampleSet, Instance, RuleReport, SetOptions, TaskSystem,
+    BasisOptions, ExampleSet, Instance, SetOptions, TaskSystem,
     export::Exported,
     glam::{Mat3, Mat4, Vec3},
     import::{self, Imported, MeshChoice, Part, PartKind, Patterns, Reading},
@@ -21,8 +21,6 @@ use std::{
 
 /// A contact further than this from the nearest vertex causes a warning; a share of the body's diagonal.
 pub const FAR_OFF: f32 = 0.1;
-/// With fewer examples a set does not compare the rule with the nearest ones.
-const ENOUGH: usize = 6;
 
 /// The choice of a file, and of what in it dents.
 #[derive(Args)]
@@ -103,32 +101,14 @@ impl File {
     }
 }
 
-/// Learns the rule that predicts hits, if there are enough examples.
-pub fn learn_rule(set: &mut ExampleSet, tasks: &dyn TaskSystem) -> Result<Option<RuleReport>> {
-    let can_learn = set.mesh().normals().is_some() && set.examples().len() >= ENOUGH;
-    Ok(can_learn.then(|| set.learn_rule(tasks)).transpose()?)
-}
-
 impl Input {
-    /// The example set of the file as `crumple bake` makes it: it has learned. A baked file is loaded.
+    /// How vertices follow nodes, if that was asked for.
+    pub fn basis(&self) -> Option<BasisOptions> {
+        self.basis.map(BasisOptions::new)
+    }
+
+    /// Builds the example set of the file, or loads it if the file is baked.
     pub fn load(&self, tasks: &dyn TaskSystem) -> Result<Source> {
-        let mut source = self.load_unlearned(tasks)?;
-        if let (Some(_), Some(set)) = (&source.file, Arc::get_mut(&mut source.set)) {
-            learn_rule(set, tasks)?;
-        }
-        Ok(source)
-    }
-
-    /// Adds nodes for vertices to follow, if that was asked for.
-    pub fn learn_basis(&self, set: &mut ExampleSet, tasks: &dyn TaskSystem) -> Result<()> {
-        if let Some(tolerance) = self.basis {
-            set.learn_basis(&BasisOptions::new(tolerance), tasks)?;
-        }
-        Ok(())
-    }
-
-    /// Builds the example set of the file, whose hits mix the nearest examples, or loads it if the file is baked.
-    pub fn load_unlearned(&self, tasks: &dyn TaskSystem) -> Result<Source> {
         let shown = self.file.display();
         let name = self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         if self.is_baked()? {
@@ -165,14 +145,13 @@ impl Input {
         let (imported, file) = self.import()?;
         let meshes = imported.part_meshes();
         let Imported { name, mesh, examples, primitives, parts, node_transform, notes } = imported;
-        let mut set =
-            ExampleSet::build(mesh, examples, SetOptions::default(), tasks).with_context(|| shown.to_string())?;
+        let options = SetOptions { basis: self.basis(), ..SetOptions::default() };
+        let mut set = ExampleSet::build(mesh, examples, options, tasks).with_context(|| shown.to_string())?;
         let mut glass = Vec::new();
         // Only hits on glass need to know a part.
         for (_, mesh) in parts.iter().zip(meshes).filter(|(part, _)| part.kind == PartKind::Glass) {
             glass.push(set.add_lod(mesh, tasks).with_context(|| shown.to_string())?);
         }
-        self.learn_basis(&mut set, tasks)?;
         let transform = node_transform.map(|m| Mat4::from_cols_array_2d(&m));
         let (coats, coat_of) = match parts.len() {
             0 | 1 => (Vec::new(), Vec::new()),

@@ -9,7 +9,7 @@ use twox_hash::XxHash3_64;
 /// The first bytes of every file. The last of them reveals a text conversion.
 pub(super) const MAGIC: [u8; 8] = *b"crumple\n";
 /// Files of other versions are refused.
-pub(super) const VERSION: u32 = 5;
+pub(super) const VERSION: u32 = 6;
 
 /// Sections begin at multiples of this; the largest alignment that any element needs is 16.
 pub(super) const ALIGN: usize = 64;
@@ -62,8 +62,6 @@ pub(super) enum Id {
     Examples = 2,
     Names = 3,
     Masses = 4,
-    Stamps = 5,
-    Nodes = 6,
     Rule = 7,
     Mesh = 16,
     Positions = 17,
@@ -91,13 +89,11 @@ pub(super) enum Id {
 }
 
 impl Id {
-    pub(super) const ALL: [Id; 30] = [
+    pub(super) const ALL: [Id; 28] = [
         Id::Set,
         Id::Examples,
         Id::Names,
         Id::Masses,
-        Id::Stamps,
-        Id::Nodes,
         Id::Rule,
         Id::Mesh,
         Id::Positions,
@@ -139,8 +135,6 @@ impl Id {
             Id::Examples => "examples",
             Id::Names => "names",
             Id::Masses => "masses",
-            Id::Stamps => "stamps",
-            Id::Nodes => "nodes",
             Id::Rule => "rule",
             Id::Mesh => "mesh",
             Id::Positions => "positions",
@@ -188,9 +182,6 @@ pub(super) struct SetRecord {
     pub(super) normal_tolerance: f32,
     /// kg, if `mass_kind` is 1.
     pub(super) mass: f32,
-    pub(super) stamp_resolution: u32,
-    /// Learned; a share of the bounds' diagonal.
-    pub(super) place_width: f32,
     /// m.
     pub(super) widest_weld: f32,
     /// 0 none, 1 uniform, 2 per vertex.
@@ -217,24 +208,12 @@ pub(super) struct ExampleRecord {
     pub(super) support_radius: f32,
     /// Longest displacement, m.
     pub(super) max_depth: f32,
-    /// It moves no vertex by a tenth of its depth further from the contact, m.
-    pub(super) reach: f32,
     /// Zero if there is none.
     pub(super) contact_normal: [f32; 3],
     /// As given, m.
     pub(super) contact_displacement: [f32; 3],
-    /// Learned; NaN if unknown.
-    pub(super) carried_error: f32,
-    /// Learned; NaN if unknown.
-    pub(super) anchored_error: f32,
-    /// 0 automatic, 1 anchored, 2 carried.
-    pub(super) placement: u8,
-    /// Learned: whether the example stays in place.
-    pub(super) stays: u8,
-    /// Whether it has a stamp, which is then the next one of section `stamps`.
-    pub(super) stamp: u8,
     /// Shape of its striker: 0 unknown, 1 ball, 2 pole, 3 corner, 4 wall.
-    pub(super) shape: u8,
+    pub(super) shape: u32,
     pub(super) blow: BlowRecord,
 }
 
@@ -254,27 +233,6 @@ pub(super) struct BlowRecord {
     pub(super) striker_velocity: [f32; 3],
     /// m.
     pub(super) striker_radius: f32,
-}
-
-/// One element of section `stamps`.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-pub(super) struct StampRecord {
-    /// Number of nodes along x and y.
-    pub(super) dims: [u32; 2],
-    /// m.
-    pub(super) origin: [f32; 2],
-    /// m.
-    pub(super) cell: [f32; 2],
-    /// The steps that displacements and heights are multiples of, m.
-    pub(super) displacement: [f32; 3],
-    pub(super) height: f32,
-    /// m.
-    pub(super) fade: f32,
-    /// m.
-    pub(super) error_max: f32,
-    /// m.
-    pub(super) error_rms: f32,
 }
 
 /// The one element of section `mesh`.
@@ -298,8 +256,8 @@ pub(super) struct AnchoredRecord {
 
 // docs/format.md states these sizes.
 const _: () = assert!(size_of::<Header>() == 64 && size_of::<Entry>() == 32);
-const _: () = assert!(size_of::<SetRecord>() == 64 && size_of::<ExampleRecord>() == 108);
-const _: () = assert!(size_of::<StampRecord>() == 52 && size_of::<MeshRecord>() == 16);
+const _: () = assert!(size_of::<SetRecord>() == 56 && size_of::<ExampleRecord>() == 96);
+const _: () = assert!(size_of::<MeshRecord>() == 16);
 const _: () =
     assert!(size_of::<crate::example::blocks::Head>() == 20 && size_of::<crate::mesh::rim::WindowBlock>() == 512);
 

@@ -1,7 +1,7 @@
 //! Makes a set from a file.
 
 use super::check;
-use super::layout::{AnchoredRecord, ExampleRecord, Id, MeshRecord, SetRecord, StampRecord, wrong};
+use super::layout::{AnchoredRecord, ExampleRecord, Id, MeshRecord, SetRecord, wrong};
 use super::read::{File, length_of};
 use super::scan::open;
 use crate::base::array::{Array, FileBytes};
@@ -11,15 +11,12 @@ use crate::base::tasks::map;
 use crate::basis::{Rows, TILE};
 use crate::example::blocks::{DeltaBlocks, Head, Steps};
 use crate::example::blow::{Blow, Striker, StrikerShape};
-use crate::example::data::Placement;
 use crate::example::example::Example;
-use crate::example::learned::Learned;
 use crate::example::mesh_lod::MeshLod;
 use crate::example::options::{SetOptions, VertexMass, check_options};
 use crate::example::report::LodReport;
 use crate::example::rule::LearnedRule;
 use crate::example::set::{ExampleSet, MAX_MESHES, Parts, check_order, deepest};
-use crate::example::stamp::{Grid, Node, NodeSteps, Stamp, StampError};
 use crate::mesh::limits::{Halves, Limits, half, whole};
 use crate::mesh::mirror::Mirror;
 use crate::mesh::nearest::{LEAF, Leaf, VertexIndex, vertices_known};
@@ -27,7 +24,7 @@ use crate::mesh::rim::Rim;
 use crate::mesh::vertex_blocks::BLOCK;
 use crate::mesh::{MAX_COORDINATE, Mesh, MeshArrays};
 use bytemuck::{Pod, cast_slice};
-use glam::{UVec2, Vec2, Vec3};
+use glam::Vec3;
 use std::sync::Arc;
 
 /// Makes the set from a file's bytes.
@@ -57,7 +54,6 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
         let has_examples = k == 0 && options.whole_examples || k == record.meshes;
         meshes.push(mesh_lod(&file, k, if has_examples { count } else { 0 }, steps)?);
     }
-    let stamps = stamps(&file, &records)?;
     check_all(&meshes, sound, tasks)?;
     let (Some(nodes), false) = (meshes.pop(), meshes.is_empty()) else {
         return Err(wrong("the number of meshes", 0, "at least 1"));
@@ -72,8 +68,7 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
         Ok((lod, report))
     });
     let lods = lods.collect::<Result<Vec<_>, Error>>()?;
-    let learned = learned(&record, &records)?;
-    let examples = examples(&file, &records, &base, (stamps, options.tolerance.unwrap_or(0.0)))?;
+    let examples = examples(&file, &records, &base, options.tolerance.unwrap_or(0.0))?;
     if deepest(&examples) == 0.0 {
         return Err(wrong("the deepest displacement of all examples", 0, "above 0"));
     }
@@ -92,7 +87,6 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
         lods,
         examples,
         options,
-        learned,
         planes,
         fingerprint: record.fingerprint,
         welded: record.welded as usize,
@@ -101,18 +95,7 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
     });
     set.follow(nodes, rows, None);
     let rule: Array<u8> = file.array(Id::Rule, 0)?;
-    if !rule.is_empty() {
-        if set.mesh().normals().is_none() {
-            return Err(wrong("section rule", "there", "absent where vertices have no normals"));
-        }
-        set.set_rule(LearnedRule::from_bytes(&set.rule_source(&set.nodes().lod), &rule)?);
-    }
-    let lacks_stamp = |e: &&Example| e.placement() != Placement::Anchored && !e.is_empty() && e.stamp().is_none();
-    let lacking = set.examples().iter().filter(lacks_stamp).count();
-    if lacking > 0 && !set.rule().is_some_and(LearnedRule::predicts_all) {
-        let expected = "0 unless the set predicts every hit from all examples";
-        return Err(wrong("the number of carried examples without a stamp", lacking, expected));
-    }
+    set.set_rule(LearnedRule::from_bytes(&set.rule_source(&set.nodes().lod), &rule)?);
     Ok(set)
 }
 
@@ -167,7 +150,7 @@ fn flag(name: &str, x: u8) -> Result<bool, Error> {
 fn options(r: &SetRecord, file: &File<'_>, vertices: usize) -> Result<SetOptions, Error> {
     let masses: Array<f32> = file.array(Id::Masses, 0)?;
     if r.zero != [0; 3] {
-        return Err(wrong("bytes 61 to 63 of section set", format!("{:?}", r.zero), "0"));
+        return Err(wrong("bytes 53 to 55 of section set", format!("{:?}", r.zero), "0"));
     }
     if (r.mass_kind == 2) == masses.is_empty() {
         return Err(length_of(Id::Masses, masses.len(), if r.mass_kind == 2 { vertices } else { 0 }));
@@ -182,11 +165,11 @@ fn options(r: &SetRecord, file: &File<'_>, vertices: usize) -> Result<SetOptions
             other => return Err(wrong("the kind of mass", other, "0 to 2")),
         },
         drop_below: r.drop_below,
-        stamp_resolution: r.stamp_resolution,
         tolerance: given(r.tolerance),
         normal_tolerance: r.normal_tolerance,
         mirror: flag("mirror", r.mirror)?,
         held_rims: flag("held rims", r.held_rims)?,
+        basis: None,
         whole_examples: flag("whether examples are whole", r.whole_examples)?,
     };
     check_options(&options, vertices).map_err(|e| Error::Format { what: format!("baked set: {e}") })?;
@@ -271,45 +254,6 @@ fn anchored(file: &File<'_>, k: u32, examples: usize, steps: Steps) -> Result<Ve
     Ok(out)
 }
 
-/// The stamps of the examples that have one.
-fn stamps(file: &File<'_>, examples: &[ExampleRecord]) -> Result<Vec<Stamp>, Error> {
-    let count = examples.iter().filter(|e| e.stamp != 0).count();
-    let records: Array<StampRecord> = file.array_of(Id::Stamps, 0, count)?;
-    let section = file.range(Id::Nodes, 0, size_of::<Node>())?;
-    let mut at = section.start;
-    let mut out = crate::base::error::reserve(count, "stamps")?;
-    for r in records.iter() {
-        let (dims, steps) = (UVec2::from_array(r.dims), Vec3::from_array(r.displacement));
-        if !(dims.min_element() >= 2 && dims.max_element() <= 128) {
-            return Err(wrong("the nodes of a stamp", dims, "2 to 128 along each axis"));
-        }
-        let grid = Grid { dims, origin: Vec2::from_array(r.origin), cell: Vec2::from_array(r.cell) };
-        check::numbers("a stamp's origin", &r.origin, f32::MAX)?;
-        check::numbers("a stamp's cell", &r.cell, f32::MAX)?;
-        if grid.cell.min_element() <= 0.0 {
-            return Err(wrong("a stamp's cell", grid.cell, "above 0 m"));
-        }
-        check::between("a stamp's fade", r.fade, f32::MIN_POSITIVE, f32::MAX)?;
-        for step in r.displacement.iter().chain(&[r.height]) {
-            check::between("a stamp's step", *step, 0.0, check::MAX_DISPLACEMENT)?;
-        }
-        check::between("the error of a stamp", r.error_max, 0.0, f32::MAX)?;
-        check::between("the error of a stamp", r.error_rms, 0.0, f32::MAX)?;
-        let end = at + grid.count() * size_of::<Node>();
-        if end > section.end {
-            return Err(wrong("the end of a stamp's nodes", end - section.start, section.len()));
-        }
-        let nodes = file.part(at..end, Id::Nodes)?;
-        at = end;
-        let steps = NodeSteps { displacement: steps, height: r.height };
-        out.push(Stamp::new(grid, nodes, steps, r.fade, StampError { max: r.error_max, rms: r.error_rms }));
-    }
-    if at != section.end {
-        return Err(wrong("the end of the last stamp's nodes", at - section.start, section.len()));
-    }
-    Ok(out)
-}
-
 /// Checks, in tasks, everything whose size grows with the file. If the file is `sound`, this leaves out the checks of
 /// [`super::scan`].
 fn check_all(meshes: &[MeshLod], sound: bool, tasks: &dyn TaskSystem) -> Result<(), Error> {
@@ -357,29 +301,9 @@ fn check_all(meshes: &[MeshLod], sound: bool, tasks: &dyn TaskSystem) -> Result<
     map(tasks, checks, |check| check()).into_iter().collect()
 }
 
-fn learned(set: &SetRecord, records: &[ExampleRecord]) -> Result<Learned, Error> {
-    check::between("the learned width of the place axes", set.place_width, 0.01, 10.0)?;
-    let error = |x: f32| match x {
-        x if x.is_nan() => Ok(None),
-        x if x >= 0.0 => Ok(Some(x)),
-        x => Err(wrong("a learned error", x, "at least 0, or not a number")),
-    };
-    Ok(Learned {
-        place_width: set.place_width,
-        carried_error: records.iter().map(|r| error(r.carried_error)).collect::<Result<_, _>>()?,
-        anchored_error: records.iter().map(|r| error(r.anchored_error)).collect::<Result<_, _>>()?,
-        anchored: records.iter().map(|r| flag("whether an example stays", r.stays)).collect::<Result<_, _>>()?,
-    })
-}
-
-fn examples(
-    file: &File<'_>,
-    records: &[ExampleRecord],
-    lod: &MeshLod,
-    (stamps, tolerance): (Vec<Stamp>, f32),
-) -> Result<Vec<Example>, Error> {
+fn examples(file: &File<'_>, records: &[ExampleRecord], lod: &MeshLod, tolerance: f32) -> Result<Vec<Example>, Error> {
     let names: Array<u8> = file.array(Id::Names, 0)?;
-    let (mut names, mut stamps) = (&names[..], stamps.into_iter());
+    let mut names = &names[..];
     let mut out = crate::base::error::reserve(records.len(), "examples")?;
     for (i, r) in records.iter().enumerate() {
         let name;
@@ -389,8 +313,7 @@ fn examples(
         let name = std::str::from_utf8(name).map_err(|e| {
             wrong(format!("the name of example {i}"), format!("wrong at byte {}", e.valid_up_to()), "UTF-8")
         })?;
-        let stamp = flag("whether an example has a stamp", r.stamp)?.then(|| stamps.next()).flatten();
-        out.push(example(i, r, (lod, tolerance), (name, lod.anchored.get(i).cloned(), stamp))?);
+        out.push(example(i, r, (lod, tolerance), (name, lod.anchored.get(i).cloned()))?);
     }
     if !names.is_empty() {
         return Err(wrong("the rest of section names", format!("{} bytes", names.len()), "empty"));
@@ -402,22 +325,15 @@ fn example(
     i: usize,
     r: &ExampleRecord,
     (lod, tolerance): (&MeshLod, f32),
-    (name, whole, stamp): (&str, Option<Arc<DeltaBlocks>>, Option<Stamp>),
+    (name, whole): (&str, Option<Arc<DeltaBlocks>>),
 ) -> Result<Example, Error> {
     let of = |what: &str| format!("{what} of example {i}");
     let positions = lod.mesh.positions();
     let Some(contact_point) = positions.get(r.contact_vertex as usize).copied() else {
         return Err(wrong(of("the contact"), r.contact_vertex, format!("below {}", positions.len())));
     };
-    let placement = match r.placement {
-        0 => Placement::Automatic,
-        1 => Placement::Anchored,
-        2 => Placement::Carried,
-        other => return Err(wrong(of("the placement"), other, "0 to 2")),
-    };
     let max_depth = r.max_depth;
     check::between(of("the longest displacement"), max_depth, 0.0, check::MAX_DISPLACEMENT)?;
-    check::between(of("the reach"), r.reach, 0.0, f32::MAX)?;
     let contact_delta = Vec3::from_array(r.contact_displacement);
     let depth = contact_delta.length();
     let stored = whole.as_ref().map_or(contact_delta, |whole| whole.delta(r.contact_vertex));
@@ -440,37 +356,26 @@ fn example(
     check::units(&of("the contact normal"), contact_normal.as_slice())?;
     check::between(of("the support radius"), r.support_radius, 0.0, f32::MAX)?;
     let blow = blow(i, r)?;
-    let carried = placement != Placement::Anchored;
-    if carried && lod.mesh.normals().is_none() {
-        return Err(wrong(of("the placement"), r.placement, "1 (anchored) on a mesh without normals"));
-    }
-    if stamp.is_some() && !(carried && r.moved > 0) {
-        return Err(wrong(of("the stamp"), r.stamp, "0 where it is not carried or moves nothing"));
-    }
     Ok(Example {
         name: name.to_owned(),
-        placement,
         contact_vertex: r.contact_vertex,
         contact_point,
         contact_normal,
         contact_delta,
         blow,
         depth,
-        log_depth: libm::logf(depth),
         max_depth,
         support_radius: r.support_radius,
         moved: r.moved as usize,
-        reach: r.reach,
         whole,
         followed: None,
-        stamp,
     })
 }
 
 /// What is known of the blow of example `i`.
 fn blow(i: usize, example: &ExampleRecord) -> Result<Blow, Error> {
     let r = &example.blow;
-    let Some(shape) = StrikerShape::ALL.get(usize::from(example.shape)) else {
+    let Some(shape) = StrikerShape::ALL.get(example.shape as usize) else {
         return Err(wrong(format!("the striker's shape of example {i}"), example.shape, "0 to 4"));
     };
     let number = |x: f32| (!x.is_nan()).then_some(x);

@@ -1,18 +1,14 @@
 //! Writes a set to a file.
 
 use super::layout::{
-    ALIGN, AnchoredRecord, BlowRecord, CHUNK, Entry, ExampleRecord, Header, Id, MAGIC, MeshRecord, SetRecord,
-    StampRecord, UNHASHED, VERSION, checksum,
+    ALIGN, AnchoredRecord, BlowRecord, CHUNK, Entry, ExampleRecord, Header, Id, MAGIC, MeshRecord, SetRecord, UNHASHED,
+    VERSION, checksum,
 };
 use crate::example::blocks::DeltaBlocks;
 use crate::example::blow::Blow;
-use crate::example::data::Placement;
-use crate::example::example::Example;
 use crate::example::mesh_lod::MeshLod;
 use crate::example::options::VertexMass;
-use crate::example::rule::LearnedRule;
 use crate::example::set::ExampleSet;
-use crate::example::stamp::{Node, Stamp};
 use bytemuck::{Pod, bytes_of, cast_slice};
 use std::borrow::Cow;
 use std::hash::Hasher;
@@ -50,10 +46,8 @@ impl<'a> File<'a> {
             let examples = if holds_whole(set) { &lod.anchored[..] } else { &[] };
             file.mesh_lod(k as u32, (lod, examples), farthest);
         }
-        if let Some(rule) = set.rule() {
-            // Its numbers were finite when it was learned.
-            file.pieces(Id::Rule, 0, 1, vec![Cow::Owned(rule.to_bytes().unwrap_or_default())]);
-        }
+        // Its numbers were finite when it was learned.
+        file.pieces(Id::Rule, 0, 1, vec![Cow::Owned(set.rule().to_bytes().unwrap_or_default())]);
         let nodes = &set.nodes().lod;
         file.mesh_lod(set.lod_count() as u32, (nodes, &nodes.anchored), 0.0);
         let (inner, leaves) = set.index().parts();
@@ -133,7 +127,7 @@ impl<'a> File<'a> {
     }
 
     fn set(&mut self, set: &'a ExampleSet) {
-        let (o, r, learned) = (set.options(), set.report(), set.learned());
+        let (o, r) = (set.options(), set.report());
         let (mass_kind, mass) = match &o.mass {
             VertexMass::None => (0, 0.0),
             VertexMass::Uniform(m) => (1, *m),
@@ -149,8 +143,6 @@ impl<'a> File<'a> {
             tolerance: o.tolerance.unwrap_or(0.0),
             normal_tolerance: o.normal_tolerance,
             mass,
-            stamp_resolution: o.stamp_resolution,
-            place_width: learned.place_width,
             widest_weld: r.widest_weld,
             mass_kind,
             mirror: o.mirror.into(),
@@ -163,26 +155,15 @@ impl<'a> File<'a> {
         let examples: Vec<ExampleRecord> = set
             .examples()
             .iter()
-            .enumerate()
-            .map(|(i, e)| ExampleRecord {
+            .map(|e| ExampleRecord {
                 name: e.name().len() as u32,
                 contact_vertex: e.contact_vertex(),
                 moved: e.moved_vertices() as u32,
                 support_radius: e.support_radius(),
                 max_depth: e.max_depth(),
-                reach: e.reach,
                 contact_normal: e.contact_normal().unwrap_or_default().to_array(),
                 contact_displacement: e.contact_displacement().to_array(),
-                carried_error: learned.carried_error[i].unwrap_or(f32::NAN),
-                anchored_error: learned.anchored_error[i].unwrap_or(f32::NAN),
-                placement: match e.placement() {
-                    Placement::Automatic => 0,
-                    Placement::Anchored => 1,
-                    Placement::Carried => 2,
-                },
-                stays: learned.anchored[i].into(),
-                stamp: stamp(set, e).is_some().into(),
-                shape: e.blow().striker.shape as u8,
+                shape: e.blow().striker.shape as u32,
                 blow: blow_of(e.blow()),
             })
             .collect();
@@ -192,11 +173,6 @@ impl<'a> File<'a> {
         if let VertexMass::PerVertex(masses) = &o.mass {
             self.array(Id::Masses, 0, masses);
         }
-        let stamps = || set.examples().iter().filter_map(|e| stamp(set, e));
-        let records: Vec<StampRecord> = stamps().map(record_of).collect();
-        self.records(Id::Stamps, 0, &records);
-        let nodes = stamps().map(|s| Cow::Borrowed(cast_slice(&s.nodes)));
-        self.pieces(Id::Nodes, 0, size_of::<Node>(), nodes.collect());
     }
 
     fn mesh_lod(&mut self, k: u32, (lod, examples): (&'a MeshLod, &'a [Arc<DeltaBlocks>]), farthest: f32) {
@@ -237,11 +213,6 @@ impl<'a> File<'a> {
     }
 }
 
-/// An example's stamp, if hits on the loaded set can need it. Those that the set predicts from all examples read none.
-fn stamp<'a>(set: &ExampleSet, example: &'a Example) -> Option<&'a Stamp> {
-    example.stamp().filter(|_| holds_whole(set) || !set.rule().is_some_and(LearnedRule::predicts_all))
-}
-
 /// Whether the file of a set holds its examples whole.
 fn holds_whole(set: &ExampleSet) -> bool {
     set.options().whole_examples && set.has_whole_examples()
@@ -257,19 +228,6 @@ fn blow_of(b: &Blow) -> BlowRecord {
         striker_mass: number(b.striker.mass),
         striker_velocity: vector(b.striker.velocity),
         striker_radius: number(b.striker.radius),
-    }
-}
-
-fn record_of(s: &Stamp) -> StampRecord {
-    StampRecord {
-        dims: s.grid.dims.to_array(),
-        origin: s.grid.origin.to_array(),
-        cell: s.grid.cell.to_array(),
-        displacement: s.steps.displacement.to_array(),
-        height: s.steps.height,
-        fade: s.fade,
-        error_max: s.error.max,
-        error_rms: s.error.rms,
     }
 }
 

@@ -255,15 +255,14 @@ impl<'d> Source<'_, 'd, '_> {
         let surface = Surface::read(doc, &primitives, notes)?;
         let count = surface.data.positions.len();
         let impacts = extras::impacts(value, &names, count)?;
-        let placements = extras::placements(value, &names)?;
         let mut examples = Vec::with_capacity(dents.len());
         let mut broken = 0;
         for target in &dents {
             let Impact { contact, normal: contact_normal, blow } = impacts[*target];
             let (positions, normals, is_broken) = deltas(doc, &primitives, *target)?;
             broken += usize::from(is_broken);
-            let (name, placement) = (names[*target].clone(), placements[*target]);
-            examples.push(ExampleData { name, positions, normals, contact, contact_normal, blow, placement });
+            let name = names[*target].clone();
+            examples.push(ExampleData { name, positions, normals, contact, contact_normal, blow });
         }
         if broken > 0 {
             let label = doc.mesh_label(mesh);

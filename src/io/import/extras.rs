@@ -1,20 +1,20 @@
-//! Reads `mesh.extras` of the targets: names, impacts with their blows, placements, and which targets are dents.
+//! Reads `mesh.extras` of the targets: names, impacts with their blows, and which targets are dents.
 
 use super::document::out_of_range;
 use super::words::{brief, listed};
 use super::{finite, malformed, whole};
 use crate::base::error::Error;
 use crate::example::blow::{Blow, Striker, StrikerShape};
-use crate::example::data::{Contact, ExampleData, Placement};
+use crate::example::data::{Contact, ExampleData};
 use serde_json::{Map, Value};
 use std::borrow::Cow;
 use std::collections::HashMap;
 
 /// Describes examples by the `extras` of their glTF mesh, for engines that import glTF themselves and keep the extras.
 ///
-/// `extras` is a JSON object with the keys `targetNames`, `impacts` and `placements`, as the [module](super) says. All
+/// `extras` is a JSON object with the keys `targetNames` and `impacts`, as the [module](super) says. All
 /// are optional. `examples` are the mesh's targets in order, and `vertices` is the number of vertices that
-/// `contact_vertex` may refer to. Names, contacts, contact normals, blows and placements that the object knows replace
+/// `contact_vertex` may refer to. Names, contacts, contact normals and blows that the object knows replace
 /// the examples' own.
 ///
 /// ```
@@ -43,17 +43,10 @@ pub fn apply_extras(extras: &str, vertices: usize, examples: &mut [ExampleData])
         examples.iter().map(|example| example.name.clone()).collect()
     };
     let impacts = impacts(&mesh, &names, vertices)?;
-    let placements = placements(&mesh, &names)?;
-    let placed = !mesh["extras"]["placements"].is_null();
-    for (example, ((name, impact), placement)) in
-        examples.iter_mut().zip(names.into_iter().zip(impacts).zip(placements))
-    {
+    for (example, (name, impact)) in examples.iter_mut().zip(names.into_iter().zip(impacts)) {
         example.name = name;
         if impact.contact.is_some() {
             (example.contact, example.contact_normal, example.blow) = (impact.contact, impact.normal, impact.blow);
-        }
-        if placed {
-            example.placement = placement;
         }
     }
     Ok(())
@@ -226,67 +219,6 @@ fn unit(n: [f32; 3], i: usize) -> Result<[f32; 3], Error> {
         return Err(malformed(format!("extras.impacts[{i}].normal is {n:?}; it must have a length")));
     }
     Ok(n.map(|x| (f64::from(x) / length) as f32))
-}
-
-/// The placement of each target, from `extras.placements`.
-pub(super) fn placements(mesh: &Value, names: &[String]) -> Result<Vec<Placement>, Error> {
-    let value = &mesh["extras"]["placements"];
-    let json = value.as_str().is_some_and(|text| text.trim_start().starts_with(['{', '[']));
-    let value = if json { parsed(value, "placements")? } else { Cow::Borrowed(value) };
-    let words: Vec<Value> = match &*value {
-        Value::Null => return Ok(vec![Placement::Automatic; names.len()]),
-        Value::String(text) if !text.contains(',') => return Ok(vec![placement(text, "")?; names.len()]),
-        Value::String(text) => text.split(',').map(Value::from).collect(),
-        Value::Array(list) => list.clone(),
-        Value::Object(map) => return placements_by_name(map, names),
-        other => {
-            return Err(malformed(format!(
-                "extras.placements is {}; it must be a word, a list of words or a map",
-                brief(other)
-            )));
-        }
-    };
-    if words.len() != names.len() {
-        return Err(malformed(format!(
-            "extras.placements has {} words for {} targets; give one each",
-            words.len(),
-            names.len()
-        )));
-    }
-    let word = |(i, word): (usize, &Value)| match word {
-        Value::String(text) => placement(text, &format!("[{i}]")),
-        other => Err(malformed(format!("extras.placements[{i}] is {}; it must be a word", brief(other)))),
-    };
-    words.iter().enumerate().map(word).collect()
-}
-
-fn placements_by_name(map: &Map<String, Value>, names: &[String]) -> Result<Vec<Placement>, Error> {
-    let mut out = vec![Placement::Automatic; names.len()];
-    let mut index: HashMap<&str, Vec<usize>> = HashMap::new();
-    names.iter().enumerate().for_each(|(i, name)| index.entry(name).or_default().push(i));
-    for (name, word) in map {
-        let text = word
-            .as_str()
-            .ok_or_else(|| malformed(format!("extras.placements['{name}'] is {}; it must be a word", brief(word))))?;
-        let placed = placement(text, &format!("['{name}']"))?;
-        let Some(targets) = index.get(name.as_str()) else {
-            return Err(malformed(format!(
-                "extras.placements names '{name}'; there is no such target (there are {})",
-                listed(names.iter())
-            )));
-        };
-        targets.iter().for_each(|t| out[*t] = placed);
-    }
-    Ok(out)
-}
-
-fn placement(text: &str, at: &str) -> Result<Placement, Error> {
-    match text.trim().to_ascii_lowercase().as_str() {
-        "automatic" => Ok(Placement::Automatic),
-        "anchored" => Ok(Placement::Anchored),
-        "carried" => Ok(Placement::Carried),
-        _ => Err(malformed(format!("extras.placements{at} is '{text}'; it must be automatic, anchored or carried"))),
-    }
 }
 
 /// Blender's interface cannot make lists of objects, so JSON in a text is accepted too.

@@ -2,7 +2,7 @@
 
 use super::words::cut;
 use crate::base::math::Aabb;
-use crate::example::data::{Contact, Deltas, ExampleData, Placement};
+use crate::example::data::{Contact, Deltas, ExampleData};
 use crate::mesh::data::MeshData;
 use glam::Vec3;
 use std::collections::HashMap;
@@ -130,7 +130,7 @@ fn dents(moved: &[Moved], targets: &[usize], joined: bool) -> Vec<Vec<usize>> {
     out
 }
 
-/// One example of targets on different pieces, in the order of the pieces. If several have a contact or a placement, the first counts.
+/// One example of targets on different pieces, in the order of the pieces. If several have a contact, the first counts.
 fn merged(targets: impl Iterator<Item = ExampleData>) -> ExampleData {
     let join = |a: &mut Deltas, b: Deltas| {
         if let (Deltas::Sparse { indices, values }, Deltas::Sparse { indices: more, values: moved }) = (a, b) {
@@ -152,9 +152,6 @@ fn merged(targets: impl Iterator<Item = ExampleData>) -> ExampleData {
         if known.contact.is_none() {
             (known.contact, known.contact_normal) = (target.contact, target.contact_normal);
             known.blow = target.blow;
-        }
-        if known.placement == Placement::Automatic {
-            known.placement = target.placement;
         }
     }
     out.unwrap_or_else(|| ExampleData::new("", Deltas::Sparse { indices: Vec::new(), values: Vec::new() }))

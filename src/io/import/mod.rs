@@ -35,9 +35,6 @@
 //!   pole, corner or wall) are optional, each on its own ([`Blow`](crate::Blow)). Other keys are ignored. Impacts are matched to targets by name if all target
 //!   names differ and all impacts are named, otherwise by order. A target without an impact has its contact at its
 //!   deepest vertex.
-//! - `placements`: whether an example is `anchored` (stays where it was made), `carried` (moves to the hit) or
-//!   `automatic`. It is one word for all (`"anchored"`), words in target order (`"anchored, carried"` or a list), or a
-//!   map `{"target name": "anchored"}`. Targets that a map omits are automatic. A list or a map may be a text of JSON.
 //! - `targets` of a *scene*: `joined` if targets of one name are one example wherever they lie; see below.
 //! - `crumple`, also of a node or a material: `rigid`, `glass` or `moving`, as [`Reading`] explains.
 //!
@@ -48,7 +45,7 @@
 //! Vertices of different nodes that lie within a millionth of the body's diagonal get one position, so that seams between parts
 //! stay closed. Targets of one name are one example if their moved vertices lie near each other, as where a dent crosses a seam.
 //! Those that lie apart are examples of their own, named after the part: exporters call the first key of every part "Key 1".
-//! If several meshes have an impact or a placement for one example, the first counts.
+//! If several meshes have an impact for one example, the first counts.
 //!
 //! ```no_run
 //! use crumple::{ExampleSet, Serial, SetOptions, import};

@@ -165,6 +165,5 @@ static func make(mass: float) -> ArrayMesh:
 			striker = {mass = mass, velocity = list.call(8 * e.into)},
 		})
 	mesh.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays, shapes)
-	# A body crumples by its structure, so dents stay where they were made.
-	mesh.set_meta("extras", {impacts = impacts, placements = "anchored"})
+	mesh.set_meta("extras", {impacts = impacts})
 	return mesh

@@ -15,7 +15,6 @@ from .types import (
     MARK,
     Attachment,
     Changes,
-    Chosen,
     ContactHit,
     ContactPoint,
     ContactReport,
@@ -26,7 +25,6 @@ from .types import (
     HitStatus,
     InstanceInfo,
     Mesh,
-    Placement,
     Pose,
     Primitive,
     Result,
@@ -42,7 +40,7 @@ __version__: str = library.crumple_version_string().decode()
 """The version of the library."""
 
 __all__ = [
-    "MARK", "Attachment", "Buffer", "Changes", "Chosen", "ContactHit", "ContactPoint", "ContactReport", "Context", "CrumpleError",
-    "DeformReport", "Example", "ExampleInfo", "ExampleSet", "HitResult", "HitStatus", "Instance", "InstanceInfo", "Mesh", "Placement", "Pose", "Primitive", "Result",
+    "MARK", "Attachment", "Buffer", "Changes", "ContactHit", "ContactPoint", "ContactReport", "Context", "CrumpleError",
+    "DeformReport", "Example", "ExampleInfo", "ExampleSet", "HitResult", "HitStatus", "Instance", "InstanceInfo", "Mesh", "Pose", "Primitive", "Result",
     "Rule", "Selection", "SetInfo", "SetOptions", "Space", "Striker", "keep_out", "library", "native",
 ]  # fmt: skip

@@ -187,7 +187,6 @@ class CrumpleExampleSetInfo(c.Structure):
         ("lod_count", c.c_uint32),
         ("blow_count", c.c_uint32),
         ("field_error", c.c_float),
-        ("depth_error", c.c_float),
         ("reserved", c.c_uint64 * 2),
     ]
 
@@ -215,12 +214,11 @@ class CrumpleMeshCopyDef(c.Structure):
 class CrumpleInstanceDef(c.Structure):
     _fields_ = [
         ("struct_size", c.c_uint32),
-        ("examples_per_hit", c.c_uint32),
+        ("mark_capacity", c.c_uint32),
         ("set", CrumpleExampleSet),
         ("user_data", c.c_uint64),
         ("rule", c.c_uint32),
         ("selection", c.c_uint32),
-        ("mark_capacity", c.c_uint32),
         ("depth_limit", c.c_float),
         ("yield_impulse", c.c_float),
         ("yield_displacement", c.c_float),
@@ -279,30 +277,18 @@ class CrumpleHitDef(c.Structure):
     ]
 
 
-class CrumpleChosen(c.Structure):
-    _fields_ = [
-        ("example", c.c_uint32),
-        ("share", c.c_float),
-        ("scale", c.c_float),
-        ("anchored", c.c_bool),
-        ("mirror", c.c_uint8),
-        ("reserved", c.c_uint16),
-    ]
-
-
-class CrumplePair(c.Structure):
-    _fields_ = [
-        ("example", c.c_uint16),
-        ("share", c.c_uint16),
-    ]
-
-
 class CrumpleMark(c.Structure):
     _fields_ = [
         ("contact", c.c_uint32),
         ("depth", c.c_float),
         ("hits", c.c_uint64),
-        ("pairs", CrumplePair * 4),
+        ("told", c.c_uint16),
+        ("striker", c.c_uint16),
+        ("direction", c.c_uint16 * 2),
+        ("strength", c.c_uint16),
+        ("mass", c.c_uint16),
+        ("radius", c.c_uint16),
+        ("reserved", c.c_uint16),
     ]
 
 
@@ -313,11 +299,9 @@ class CrumpleHitResult(c.Structure):
         ("contact_distance", c.c_float),
         ("target", CrumpleVec3),
         ("achieved", CrumpleVec3),
-        ("chosen_count", c.c_uint32),
-        ("clamped", c.c_bool),
-        ("chosen", CrumpleChosen * 4),
-        ("mark", CrumpleMark),
         ("expected_error", c.c_float),
+        ("clamped", c.c_bool),
+        ("mark", CrumpleMark),
         ("reserved", c.c_uint32 * 7),
     ]
 
@@ -431,14 +415,6 @@ class CrumpleContactKind(IntEnum):
     POINT = 2
 
 
-class CrumplePlacement(IntEnum):
-    """Whether an example stays where it was made (anchored) or moves to where the body was hit (carried)."""
-
-    AUTOMATIC = 0
-    ANCHORED = 1
-    CARRIED = 2
-
-
 class CrumpleIndexType(IntEnum):
     """The type of triangle indices. CRUMPLE_INDEX_TYPE_U32 is the default."""
 
@@ -472,7 +448,6 @@ class CrumpleExampleDef(c.Structure):
         ("duration", c.c_float),
         ("striker", CrumpleStriker),
         ("has_contact_normal", c.c_bool),
-        ("placement", c.c_uint32),
     ]
 
 
@@ -496,7 +471,7 @@ class CrumpleExampleSetOptions(c.Structure):
         ("depth_limit", c.c_float),
         ("drop_below", c.c_float),
         ("vertex_mass", c.c_float),
-        ("stamp_resolution", c.c_uint32),
+        ("basis_tolerance", c.c_float),
         ("bake_tolerance", c.c_float),
         ("bake_normal_tolerance", c.c_float),
         ("vertex_masses", CrumpleInput),
@@ -534,9 +509,7 @@ class CrumpleExampleInfo(c.Structure):
         ("depth", c.c_float),
         ("max_depth", c.c_float),
         ("support_radius", c.c_float),
-        ("placement", c.c_uint32),
         ("field_error", c.c_float),
-        ("depth_error", c.c_float),
         ("reserved", c.c_uint64),
     ]
 
@@ -546,10 +519,8 @@ class CrumpleDamageMapping(c.Structure):
         ("kept", c.c_uint32),
         ("moved", c.c_uint32),
         ("too_far", c.c_uint32),
-        ("without_example", c.c_uint32),
+        ("without_blows", c.c_uint32),
         ("distance", c.c_float),
-        ("missing_examples", c.c_uint32),
-        ("first_missing_example", c.c_uint32),
         ("reserved", c.c_uint32 * 3),
     ]
 

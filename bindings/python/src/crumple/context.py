@@ -20,7 +20,7 @@ from .instance import Buffer, Instance, _hit_result
 from .types import ContactHit, ContactPoint, ContactReport, DeformReport, Example, SetOptions
 
 _OPTIONS = (
-    "depth_limit", "drop_below", "vertex_mass", "stamp_resolution", "bake_tolerance", "bake_normal_tolerance",
+    "depth_limit", "drop_below", "vertex_mass", "basis_tolerance", "bake_tolerance", "bake_normal_tolerance",
     "mirror", "held_rims", "whole_examples",
 )  # fmt: skip
 
@@ -309,7 +309,6 @@ def _fill_example(one: Any, example: Example, count: int) -> list[Any]:
         one.has_contact_normal, one.contact_normal = True, vector(example.normal, "normal")
     one.impulse, one.duration = vector(example.impulse, "impulse"), example.duration
     fill_striker(one.striker, example.striker)
-    one.placement = int(example.placement)
     return alive
 
 

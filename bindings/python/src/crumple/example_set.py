@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from . import _native as native
 from ._arrays import matrix, stream, vector, vector3
 from ._library import check, filled, library
-from .types import Attachment, ExampleInfo, Mesh, Placement, Primitive, Rule, Selection, SetInfo
+from .types import Attachment, ExampleInfo, Mesh, Primitive, Rule, Selection, SetInfo
 
 if TYPE_CHECKING:
     from .context import Context
@@ -36,7 +36,7 @@ class ExampleSet:
             raw.name.decode(), raw.fingerprint, raw.memory_bytes, raw.vertex_count, raw.triangle_count, raw.example_count,
             raw.primitive_count, raw.seam_count, raw.depth_limit, np.stack([vector3(raw.bounds.min), vector3(raw.bounds.max)]),
             np.array(raw.node_transform, np.float32).reshape(4, 4).T, raw.has_tangents, raw.lod_count, raw.blow_count,
-            _known(raw.field_error), _known(raw.depth_error),
+            raw.field_error,
         )  # fmt: skip
 
     @property
@@ -48,8 +48,7 @@ class ExampleSet:
             found.append(
                 ExampleInfo(
                     raw.name.decode(), raw.contact_vertex, raw.moved_vertices, vector3(raw.contact_point),
-                    vector3(raw.contact_normal), raw.depth, raw.max_depth, raw.support_radius, Placement(raw.placement),
-                    _known(raw.field_error), _known(raw.depth_error),
+                    vector3(raw.contact_normal), raw.depth, raw.max_depth, raw.support_radius, raw.field_error,
                 )
             )  # fmt: skip
         return found
@@ -101,7 +100,7 @@ class ExampleSet:
     ) -> tuple[bytes, native.CrumpleDamageMapping]:
         """Maps damage that was saved with another revision of this set, and says what became of the marks.
 
-        A mark goes to the nearest vertex, at most max_distance away, m. Examples are found by name.
+        A mark goes to the nearest vertex, at most max_distance away, m.
         """
         data, done = bytes(data), native.CrumpleDamageMapping()
         size, call = ctypes.c_size_t(), library.crumple_example_set_map_damage
@@ -130,7 +129,6 @@ class ExampleSet:
         self,
         *,
         transform: ArrayLike | None = None,
-        examples_per_hit: int = 3,
         mark_capacity: int = 64,
         depth_limit: float = 0.0,
         yield_impulse: float = 0.0,
@@ -145,8 +143,7 @@ class ExampleSet:
 
         definition = library.crumple_instance_def_default()
         definition.set, definition.rule, definition.selection = self.id, int(rule), int(selection)
-        definition.examples_per_hit, definition.mark_capacity = examples_per_hit, mark_capacity
-        definition.depth_limit = depth_limit
+        definition.mark_capacity, definition.depth_limit = mark_capacity, depth_limit
         definition.yield_impulse, definition.yield_displacement = yield_impulse, yield_displacement
         definition.max_contact_distance, definition.blend_constant = max_contact_distance, blend_constant
         if transform is not None:
@@ -154,7 +151,3 @@ class ExampleSet:
         out = native.CrumpleInstance()
         check(library.crumple_instance_create(self._context.handle, ctypes.byref(definition), ctypes.byref(out)))
         return Instance(self._context, self, out)
-
-
-def _known(error: float) -> float | None:
-    return error if error >= 0 else None

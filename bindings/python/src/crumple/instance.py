@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _native as native
 from ._arrays import directions, matrix, stream, vector, vector3
 from ._library import check, filled, library, needed
-from .types import MARK, Attachment, Changes, Chosen, HitResult, HitStatus, InstanceInfo, Mesh, Pose, Space, Striker
+from .types import MARK, Attachment, Changes, HitResult, HitStatus, InstanceInfo, Mesh, Pose, Space, Striker
 
 if TYPE_CHECKING:
     from .context import Context
@@ -223,9 +223,8 @@ class Buffer:
 
 
 def _hit_result(raw: native.CrumpleHitResult) -> HitResult:
-    chosen = tuple(Chosen(one.example, one.share, one.scale, one.anchored, one.mirror) for one in raw.chosen[: raw.chosen_count])
     mark = np.frombuffer(bytes(raw.mark), MARK)
     return HitResult(
-        HitStatus(raw.status), raw.contact_vertex, raw.contact_distance, vector3(raw.target), vector3(raw.achieved), raw.clamped,
-        chosen, mark, raw.expected_error or None,
+        HitStatus(raw.status), raw.contact_vertex, raw.contact_distance, vector3(raw.target), vector3(raw.achieved),
+        raw.expected_error, raw.clamped, mark,
     )  # fmt: skip

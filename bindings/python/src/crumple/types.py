@@ -12,9 +12,6 @@ from ._native import (
     CrumpleHitStatus as HitStatus,
 )
 from ._native import (
-    CrumplePlacement as Placement,
-)
-from ._native import (
     CrumpleResult as Result,
 )
 from ._native import (
@@ -28,15 +25,20 @@ from ._native import (
 )
 
 __all__ = [
-    "Attachment", "Changes", "Chosen", "DeformReport", "Example", "ExampleInfo", "HitResult", "HitStatus",
-    "InstanceInfo", "MARK", "Mesh", "Placement", "Pose", "Primitive", "Result", "Rule", "Selection", "SetInfo", "SetOptions", "Space",
+    "Attachment", "Changes", "DeformReport", "Example", "ExampleInfo", "HitResult", "HitStatus",
+    "InstanceInfo", "MARK", "Mesh", "Pose", "Primitive", "Result", "Rule", "Selection", "SetInfo", "SetOptions", "Space",
     "Striker",
 ]  # fmt: skip
 
 Floats = NDArray[np.float32]
 
-MARK = np.dtype([("contact", "<u4"), ("depth", "<f4"), ("hits", "<u8"), ("pairs", [("example", "<u2"), ("share", "<u2")], 4)])
-"""A mark, 32 bytes. Arrays of marks have this type; save or send them as they are."""
+MARK = np.dtype(
+    [
+        ("contact", "<u4"), ("depth", "<f4"), ("hits", "<u8"), ("told", "<u2"), ("striker", "<u2"), ("direction", "<u2", 2),
+        ("strength", "<u2"), ("mass", "<u2"), ("radius", "<u2"), ("reserved", "<u2"),
+    ]
+)  # fmt: skip
+"""A mark, 32 bytes; CrumpleMark in crumple.h. Arrays of marks have this type; save or send them as they are."""
 
 
 @dataclass
@@ -73,7 +75,6 @@ class Example:
     duration: float = 0.0
     """How long the impulse acted, s. 0: unknown."""
     striker: Striker = field(default_factory=Striker)
-    placement: Placement = Placement.AUTOMATIC
 
 
 @dataclass
@@ -86,16 +87,16 @@ class SetOptions:
     """Displacements of an example up to this length are dropped, m."""
     vertex_mass: float = 0.0
     """The calibration mass in impulse * duration / mass, kg. 0: unknown."""
-    stamp_resolution: int = 32
-    """Nodes along each side of the grid that stores a carried example: 4 to 128."""
+    basis_tolerance: float = 0.0
+    """How far a vertex may be from where dents would put it, m. Less takes more memory and time. 0: what fits all bodies well."""
     bake_tolerance: float = 0.0
     """Largest position error from quantisation, m. 0: exact floats."""
     bake_normal_tolerance: float = 1.0
     """Largest error of a normal, degrees. Unused if bake_tolerance is 0."""
     mirror: bool = True
-    """Also use mirrored copies of the examples if the body is symmetric."""
+    """Examples also count mirrored where they agree with it, if the body is symmetric."""
     held_rims: bool = True
-    """Fade carried dents to zero at boundary edges that no example moves."""
+    """Dents fade to zero at boundary edges that no example moves."""
     whole_examples: bool = False
     """Keep the examples whole in baked bytes too, as the classic rules need them. On large bodies an example then takes ten times the memory."""
 
@@ -131,9 +132,8 @@ class SetInfo:
     lod_count: int
     blow_count: int
     """Number of examples that know their blow."""
-    field_error: float | None
-    """Median relative error of the displacements around an example when the other examples predict them. None: unknown."""
-    depth_error: float | None
+    field_error: float
+    """Median of the examples' field_error."""
 
 
 @dataclass(frozen=True)
@@ -148,10 +148,8 @@ class ExampleInfo:
     depth: float
     max_depth: float
     support_radius: float
-    placement: Placement
-    field_error: float | None
-    """As in SetInfo, for this example. Where it is large, one more example helps most."""
-    depth_error: float | None
+    field_error: float
+    """Relative L2 error when the other examples predict it: 0 is exact, 1 is no dent at all. Where it is large, one more example helps most."""
 
 
 @dataclass(frozen=True)
@@ -175,19 +173,8 @@ class InstanceInfo:
 
 
 @dataclass(frozen=True)
-class Chosen:
-    """An example that a hit uses."""
-
-    example: int
-    share: float
-    scale: float
-    anchored: bool
-    mirror: int
-
-
-@dataclass(frozen=True)
 class HitResult:
-    """The effect of a hit. Unless its status is HitStatus.MARKED, `achieved` is zero and `chosen` empty."""
+    """The effect of a hit. Unless its status is HitStatus.MARKED, `achieved`, `expected_error` and `mark` are zero."""
 
     status: HitStatus
     contact_vertex: int
@@ -195,12 +182,11 @@ class HitResult:
     target: Floats
     """Target displacement of the contact before it is clamped, m, in the mesh's space."""
     achieved: Floats
+    expected_error: float
+    """The relative L2 error that is expected of the dent; 1 is no dent at all."""
     clamped: bool
-    chosen: tuple[Chosen, ...]
     mark: NDArray[Any]
     """One element of type MARK."""
-    expected_error: float | None
-    """The relative L2 error that is expected of the dent, if the set has learned to predict it; 1 is no dent at all."""
 
 
 @dataclass(frozen=True)

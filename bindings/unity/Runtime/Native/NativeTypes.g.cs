@@ -194,7 +194,6 @@ namespace Crumple
         public uint LodCount;
         public uint BlowCount;
         public float FieldError;
-        public float DepthError;
         public fixed ulong Reserved[2];
     }
 
@@ -234,12 +233,11 @@ namespace Crumple
     public unsafe partial struct CrumpleInstanceDef
     {
         public uint StructSize;
-        public uint ExamplesPerHit;
+        public uint MarkCapacity;
         public CrumpleExampleSet Set;
         public ulong UserData;
         public CrumpleRule Rule;
         public CrumpleSelection Selection;
-        public uint MarkCapacity;
         public float DepthLimit;
         public float YieldImpulse;
         public float YieldDisplacement;
@@ -321,35 +319,18 @@ namespace Crumple
 
     /// <summary>The struct of the C headers.</summary>
     [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleChosen
-    {
-        public uint Example;
-        public float Share;
-        public float Scale;
-        public CrumpleBool Anchored;
-        public byte Mirror;
-        public ushort Reserved;
-    }
-
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumplePair
-    {
-        public ushort Example;
-        public ushort Share;
-    }
-
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleMark
+    public unsafe partial struct CrumpleMark
     {
         public uint Contact;
         public float Depth;
         public ulong Hits;
-        public CrumplePair Pairs0;
-        public CrumplePair Pairs1;
-        public CrumplePair Pairs2;
-        public CrumplePair Pairs3;
+        public ushort Told;
+        public ushort Striker;
+        public fixed ushort Direction[2];
+        public ushort Strength;
+        public ushort Mass;
+        public ushort Radius;
+        public ushort Reserved;
     }
 
     /// <summary>The struct of the C headers.</summary>
@@ -361,14 +342,9 @@ namespace Crumple
         public float ContactDistance;
         public CrumpleVec3 Target;
         public CrumpleVec3 Achieved;
-        public uint ChosenCount;
-        public CrumpleBool Clamped;
-        public CrumpleChosen Chosen0;
-        public CrumpleChosen Chosen1;
-        public CrumpleChosen Chosen2;
-        public CrumpleChosen Chosen3;
-        public CrumpleMark Mark;
         public float ExpectedError;
+        public CrumpleBool Clamped;
+        public CrumpleMark Mark;
         public fixed uint Reserved[7];
     }
 
@@ -517,13 +493,6 @@ namespace Crumple
         Point = 2,
     }
 
-    public enum CrumplePlacement
-    {
-        Automatic = 0,
-        Anchored = 1,
-        Carried = 2,
-    }
-
     public enum CrumpleIndexType
     {
         U32 = 0,
@@ -559,7 +528,6 @@ namespace Crumple
         public float Duration;
         public CrumpleStriker Striker;
         public CrumpleBool HasContactNormal;
-        public CrumplePlacement Placement;
 
         public static CrumpleExampleDef Default
         {
@@ -603,7 +571,7 @@ namespace Crumple
         public float DepthLimit;
         public float DropBelow;
         public float VertexMass;
-        public uint StampResolution;
+        public float BasisTolerance;
         public float BakeTolerance;
         public float BakeNormalTolerance;
         public CrumpleInput VertexMasses;
@@ -653,9 +621,7 @@ namespace Crumple
         public float Depth;
         public float MaxDepth;
         public float SupportRadius;
-        public CrumplePlacement Placement;
         public float FieldError;
-        public float DepthError;
         public ulong Reserved;
     }
 
@@ -666,10 +632,8 @@ namespace Crumple
         public uint Kept;
         public uint Moved;
         public uint TooFar;
-        public uint WithoutExample;
+        public uint WithoutBlows;
         public float Distance;
-        public uint MissingExamples;
-        public uint FirstMissingExample;
         public fixed uint Reserved[3];
     }
 

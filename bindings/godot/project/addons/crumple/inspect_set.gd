@@ -21,14 +21,11 @@ static func describe(examples: CrumpleExampleSet) -> String:
 	var lines := PackedStringArray()
 	lines.append("%d examples, %d vertices, up to %.1f mm deep." % [
 		examples.get_example_count(), examples.get_vertex_count(), 1000 * examples.get_deepest()])
-	var error := examples.get_own_error()
-	if error >= 0:
-		lines.append("Error when each example is predicted from the others, median: %.2f (0 is perfect, 1 is no dent)." % error)
+	lines.append("Error when each example is predicted from the others, median: %.2f (0 is perfect, 1 is no dent)." %
+		examples.get_own_error())
 	if not examples.knows_blows():
 		lines.append("No example knows its blow: depth is impulse * duration / vertex mass of the node.")
 	for example: Dictionary in examples.get_examples():
-		lines.append("%s: %.1f mm deep, radius %.2f m, at %s%s%s" % [
-			example.name, 1000 * example.depth, example.radius, example.contact,
-			", stays there" if example.anchored else "",
-			", error %.2f" % example.error if example.error >= 0 else ""])
+		lines.append("%s: %.1f mm deep, radius %.2f m, at %s, error %.2f" % [
+			example.name, 1000 * example.depth, example.radius, example.contact, example.error])
 	return "\n".join(lines)

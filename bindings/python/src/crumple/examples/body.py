@@ -153,7 +153,6 @@ class Body:
             setattr(primitive.attributes, "_DEPTH_LIMIT", self._attribute(blob, limits[part]))  # noqa: B010
         self.mesh.weights = [0.0] * len(examples)
         extras = dict(self.mesh.extras or {})
-        extras.pop("placements", None)
         extras["targetNames"] = [made.name for made in examples]
         extras["impacts"] = [self._impact(made, back) for made in examples]
         self.mesh.extras = extras | {"crumple": notes}

@@ -108,7 +108,7 @@ def _field(body: crumple.Instance) -> Floats:
     return body.deformed().positions.astype(float) - body.set.mesh().positions
 
 
-def own_errors(shell: Shell, examples: Sequence[Made]) -> list[float | None]:
+def own_errors(shell: Shell, examples: Sequence[Made]) -> list[float]:
     """What the library says of each example: its error when the others predict it."""
     with crumple.Context(threads=1) as context:
         found = context.example_set(shell.points, shell.triangles, [as_example(shell.points, made) for made in examples])

@@ -58,7 +58,8 @@ def write(folder: Path, body: Body, examples: Sequence[Made], held: Floats, done
         curve(folder / "curve.png", done.curve)
         overview.append(_figure("curve.png", "Expected error of a hit, told its blow, against the number of examples"))
     share = _share(body.points, body.triangles, reached > 1e-3 * body.size)
-    words = [*words, f"Some example moves {share:.0%} of the surface by more than {body.size:.3g} mm. Hits elsewhere use carried examples."]
+    moved = f"Some example moves {share:.0%} of the surface by more than {body.size:.3g} mm."
+    words = [*words, f"{moved} Hits elsewhere are predicted from examples of other places."]
     cells = lambda row, tag: "<tr>" + "".join(f"<{tag}>{html.escape(cell)}</{tag}>" for cell in row) + "</tr>"  # noqa: E731
     page = (
         f'<!doctype html><meta charset="utf-8"><title>{html.escape(body.name)}</title><style>{_STYLE}</style>'

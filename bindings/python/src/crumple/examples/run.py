@@ -239,8 +239,7 @@ class _State:
         if self.judged is not None:
             self.curve.append((len(made), self.judged.blow, self.judged.worst))
         kept = [result.index for result in self.results if result.made is not None][:count]
-        own = own_errors(self.plan.shell, made)
-        self.errors = {index: error for index, error in zip(kept, own, strict=True) if error is not None}
+        self.errors = dict(zip(kept, own_errors(self.plan.shell, made), strict=True))
 
     def stiffness(self) -> float:
         """Energy of a dent by depth ** EXPONENT and by the strength: the median of the first hits."""
