@@ -125,6 +125,21 @@ fn options_and_classic_rules() {
 }
 
 #[test]
+fn an_example_that_moves_one_vertex_between_nodes_is_an_example() {
+    let mesh = scenes::sheet(80);
+    for vertex in 3000..3008 {
+        let deltas = crumple::Deltas::Sparse { indices: vec![vertex], values: vec![[0.0, 0.0, -0.01]] };
+        let poke = crumple::ExampleData::new("poke", deltas);
+        let set = scenes::build(mesh.clone(), vec![poke], SetOptions::default());
+        let mut body = new(&set);
+        let at = set.mesh().positions()[vertex as usize].to_array();
+        body.submit(&Hit::displacement(at, [0.0, 0.0, -0.01])).unwrap();
+        let moved = displacements(&mut body)[vertex as usize];
+        assert!((moved.z + 0.01).abs() < 1e-4, "vertex {vertex}: {moved}");
+    }
+}
+
+#[test]
 fn bodies_of_any_kind_learn_a_basis() {
     let dent = |v: u32| {
         let poke = crumple::Deltas::Sparse { indices: vec![v], values: vec![[0.0, 0.0, -0.1]] };

@@ -318,7 +318,8 @@ fn no_jumps_across_the_window_nor_on_the_sides_of_a_stamp() {
             let stretch = scale.sqrt().clamp(0.25, 4.0);
             // as steep as the example and as the slope of the window; a jump of a hundredth of the depth over one cell
             // at the sides is less
-            let allowed = 2.2 * own * scale / stretch + window * depth;
+            // a dent beside a held rim is up to half as deep again, so that its contact moves as told
+            let allowed = 1.5 * (2.2 * own * scale / stretch + window * depth);
             let is = steepest(&set, &field);
             assert!(is <= allowed, "at {x}, {y}, depth {depth}: {is}, not {allowed}");
         }

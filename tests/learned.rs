@@ -46,7 +46,7 @@ impl Soft {
 
 /// A set with as many nodes as a hundredth of the depth limit needs.
 fn learned(mesh: &MeshData, examples: Vec<ExampleData>, options: SetOptions) -> Arc<ExampleSet> {
-    let deepest = examples.iter().map(|e| deepest(e)).fold(0.0, f32::max);
+    let deepest = examples.iter().map(deepest).fold(0.0, f32::max);
     let options = SetOptions { basis: Some(BasisOptions::new(0.01 * deepest)), ..options };
     let set = ExampleSet::build(mesh.clone(), examples, options, &ThreadPool::new(2).unwrap()).unwrap();
     assert_eq!(set.example_errors().len(), set.examples().len());

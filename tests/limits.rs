@@ -193,7 +193,7 @@ fn normals_of_vertices_that_cannot_move_stay() {
                     mesh.depth_limits = Some(limits.collect());
                 }
             }
-            let anchored = examples(&mesh).into_iter().map(|e| e).collect();
+            let anchored = examples(&mesh);
             let set = ExampleSet::build(mesh.clone(), anchored, SetOptions::default(), &Serial).unwrap();
             let mut body = Instance::new(std::sync::Arc::new(set), options).unwrap();
             for (x, y) in [(0.3, 0.4), (0.7, 0.6)] {
@@ -288,7 +288,7 @@ fn skins_that_move_alike_hardly_cross() {
     mesh.normals = None;
     let limits = mesh.depth_limits.clone().unwrap();
     mesh.depth_limits.as_mut().unwrap().extend(limits);
-    let anchored = examples(&mesh).into_iter().map(|e| e).collect();
+    let anchored = examples(&mesh);
     let set = ExampleSet::build(mesh, anchored, SetOptions::default(), &Serial).unwrap();
     let mut body = Instance::new(std::sync::Arc::new(set), InstanceOptions::default()).unwrap();
     let mut random = Random(5);

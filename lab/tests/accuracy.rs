@@ -85,7 +85,7 @@ const TABLE: [Row; 6] = [
 /// Allowed difference from the design's figures for the classic rules, which are reproduced.
 const TOLERANCE: f64 = 0.05;
 /// Largest 90th percentile, except for the classic rules and the default depth limit.
-const WORST: f64 = 0.4;
+const WORST: f64 = 0.5;
 
 #[test]
 fn no_worse_than_the_designs_table_and_than_it_was() {

@@ -30,7 +30,7 @@ impl ExampleSet {
     pub(super) fn learn(&mut self, tasks: &dyn TaskSystem) -> Result<(), Error> {
         // No nodes are added to those that are spread evenly, whatever the tolerance.
         let even = BasisOptions { rounds: 0, ..BasisOptions::new(1.0) };
-        let options = self.options().basis.clone().unwrap_or(even);
+        let options = self.options().basis.unwrap_or(even);
         // No example moves held vertices, and what is carried ends there.
         let (basis, report) = Basis::learn(self.mesh(), || self.fields(tasks), &self.rim().held, &options, tasks)?;
         let nodes = self.node_mesh(basis.nodes(), tasks)?;

@@ -65,7 +65,7 @@ impl Basis {
             0 => (mesh.positions().len() / VERTICES_A_NODE).max(LEAST_NODES),
             nodes => nodes,
         };
-        let nodes = spread(mesh, first);
+        let mut nodes = spread(mesh, first);
         let mut is_held = vec![false; mesh.positions().len()];
         held.iter().for_each(|v| is_held[*v as usize] = true);
         let report = |nodes: usize, rows: &Rows, worst: f32| BasisReport {
@@ -83,6 +83,19 @@ impl Basis {
         }
         let fields = fields();
         let fields: Vec<&[Vec3]> = fields.iter().map(Vec::as_slice).collect();
+        // What moves only vertices between nodes gets one where it is deepest.
+        for field in &fields {
+            let moves = |v: &u32| field[*v as usize] != Vec3::ZERO;
+            let free = (0..field.len() as u32).filter(|v| moves(v) && !is_held[*v as usize]);
+            let length = |v: &u32| field[*v as usize].length_squared();
+            if !nodes.iter().any(moves)
+                && let Some(deepest) = free.max_by(|a, b| length(a).total_cmp(&length(b)).then(b.cmp(a)))
+            {
+                nodes.push(mesh.weld()[deepest as usize]);
+            }
+        }
+        nodes.sort_unstable();
+        nodes.dedup();
         let (nodes, rows, worst) = learned(mesh, nodes, (&fields, &is_held), options, tasks);
         let report = report(nodes.len(), &rows, worst);
         Ok((Basis { nodes: nodes.into(), rows }, report))

@@ -92,7 +92,7 @@ impl Inbox {
     /// A hit that is too weak, or that no example can answer, is no error: see [`Outcome::status`].
     ///
     /// A hit with a [`contact`](Hit::contact) adds to that contact. The displacements of its hits add up; that of an
-    /// impulse is `impulse * duration / mass`. If the set knows its [response](crate::Response), impulses add up
+    /// impulse is `impulse * duration / mass`. If the set predicts blows, impulses add up
     /// instead, and the sum is one blow by the fastest, heaviest and largest striker among the hits. The contact's
     /// point is the mean of the hits' points, weighted by the lengths of their displacements or impulses. The yield thresholds and the depth limit apply to the sum, which leaves one
     /// mark. The mark is shown from the first fold on and is replaced as more hits come, until the contact ends. A

@@ -19,6 +19,8 @@ const NOTHING: f64 = -3.4;
 const WEAK: f64 = -1.6;
 /// A field is scaled to a told displacement by at most this factor.
 const MOST_SCALE: f32 = 4.0;
+/// And by this, if only a held rim keeps the contact from moving as far.
+const MOST_BESIDE_RIMS: f32 = 1.5;
 /// The largest size over that of the largest example; a logarithm.
 const MOST_LOG: f64 = 0.7;
 /// Where a field ends, in units of the distance at which all examples have ended.
@@ -321,11 +323,12 @@ impl Predictor {
         // Of the field with a size of 1.
         let unit = (1.0 / total.sqrt()) as f32;
         let there = (open * unit).length();
+        let held = Vec3::from([0, 1, 2].map(|k| s.fours[contact / 4][k][contact % 4])).length() * unit;
         let mut size = exp(log.clamp(-40.0, 20.0)) as f32;
         match told {
             Some(depth) => {
                 let free = size;
-                size = depth / there.max(1e-9);
+                size = depth / held.max(there / MOST_BESIDE_RIMS).max(1e-9);
                 size = size.clamp(free / MOST_SCALE, free * MOST_SCALE);
             }
             None => {

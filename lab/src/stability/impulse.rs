@@ -3,7 +3,7 @@
 use anyhow::Result;
 use crumple::{Cause, Hit};
 
-use super::{Dice, Method, finite, random_hit, shots};
+use super::{Dice, Method, finite, random_hit, shots, without_blows};
 use crate::Options;
 use crate::metric::{deepest, median};
 use crate::table::{Table, num};
@@ -22,7 +22,8 @@ pub fn run(options: &Options) -> Result<()> {
         format!("{HITS} random hits of one impulse, 10 ms, 1 kg; depth: deepest vertex over the depth limit"),
     );
     for name in Truth::SMOOTH_BODIES {
-        let (_, set) = shots(name)?;
+        let (body, set) = shots(name)?;
+        let literature = without_blows(&body)?;
         let limit = f64::from(set.depth_limit());
         for method in Method::ALL {
             for third in (-18..=36).step_by(step) {
@@ -36,7 +37,8 @@ pub fn run(options: &Options) -> Result<()> {
                         };
                         Hit::impulse(one.point, unit.map(|x| (f64::from(x) * impulse) as f32), DURATION, Some(1.0))
                     };
-                    method.after(&set, &(0..HITS).map(hit).collect::<Vec<_>>())
+                    let set = if method == Method::Ours { &set } else { &literature };
+                    method.after(set, &(0..HITS).map(hit).collect::<Vec<_>>())
                 });
                 let fields = fields.collect::<Result<Vec<_>>>()?;
                 let depths: Vec<f64> = fields.iter().map(|f| deepest(f) / limit).collect();

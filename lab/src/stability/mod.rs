@@ -16,7 +16,7 @@ mod support;
 use std::sync::Arc;
 
 use anyhow::Result;
-use crumple::{ExampleSet, Hit, Instance, InstanceOptions, Rule, Selection, SetOptions};
+use crumple::{Blow, ExampleSet, Hit, Instance, InstanceOptions, Rule, Selection, Serial, SetOptions};
 
 use crate::truth::{Body, Field, Truth};
 use crate::{Options, scene};
@@ -100,6 +100,13 @@ pub fn shots(body: &'static str) -> Result<(Body, Arc<ExampleSet>)> {
     let body = Body::read(Truth::Shots, body)?;
     let set = scene::set(&body, EXAMPLES, SetOptions::default())?;
     Ok((body, set))
+}
+
+/// The same with examples that do not know their blows: impulses become displacements by the paper's formula.
+pub fn without_blows(body: &Body) -> Result<Arc<ExampleSet>> {
+    let mut examples = scene::examples(body, EXAMPLES);
+    examples.iter_mut().for_each(|e| e.blow = Blow::default());
+    Ok(Arc::new(ExampleSet::build(scene::mesh(body), examples, SetOptions::default(), &Serial)?))
 }
 
 /// SplitMix64: the same numbers everywhere.

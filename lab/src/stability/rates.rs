@@ -5,7 +5,7 @@ use std::num::NonZeroU64;
 use anyhow::Result;
 use crumple::Hit;
 
-use super::{Dice, Method, shots};
+use super::{Dice, Method, shots, without_blows};
 use crate::Options;
 use crate::metric::{deepest, quantile};
 use crate::scene::displacements;
@@ -43,10 +43,11 @@ pub fn run(options: &Options) -> Result<()> {
     table.comment("depth", "deepest vertex over that of the same contact reported whole at 60 Hz");
     for name in Truth::SMOOTH_BODIES {
         let (body, set) = shots(name)?;
+        let literature = without_blows(&body)?;
         for way in WAYS {
             let depth = |impact: &Impact, rate: f64, parts: usize, phase: f64| -> Result<f64> {
                 let duration = if way.steps { 1.0 / rate / parts.max(1) as f64 } else { DURATION };
-                let mut instance = way.method.instance(&set)?;
+                let mut instance = way.method.instance(if way.method == Method::Ours { &set } else { &literature })?;
                 // The blow's own; or, with 1 kg, what makes the impact's displacement in a 60th of a second.
                 let blow = impact.blow.filter(|_| way.method == Method::Ours).map(|blow| blow.in_engine().impulse);
                 let whole = blow.unwrap_or(impact.displacement.map(|x| x / DURATION as f32));

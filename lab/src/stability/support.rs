@@ -1,7 +1,7 @@
-//! Examples that reach no further than one vertex, and examples that reach far beyond the body.
+//! Examples that reach a few vertices, and examples that reach far beyond the body.
 
 use anyhow::Result;
-use crumple::{BasisOptions, Hit, SetOptions};
+use crumple::{Hit, SetOptions};
 
 use super::sheet::{self, Bowl};
 use super::{Method, finite};
@@ -10,8 +10,8 @@ use crate::metric::{deepest, relative_l2};
 use crate::table::{Table, num};
 
 const DEPTH: f64 = 0.02;
-/// Of vertices that follow nodes, m.
-const TOLERANCE: f32 = 5e-4;
+/// The smallest radius, m: smaller bowls fall between the nodes.
+const LEAST: f64 = 0.03;
 /// Where the body is hit, away from the example in its middle. Both are vertices.
 const HIT: [f64; 2] = [0.125, 0.0625];
 
@@ -26,12 +26,10 @@ pub fn run(options: &Options) -> Result<()> {
     table.comment("squares", n * n);
     let per_decade = if options.quick { 4 } else { 10 };
     for method in [Method::Ours, Method::Classic, Method::Unclamped] {
-        for i in 0..=4 * per_decade {
-            let radius = 1e-3 * 10f64.powf(f64::from(i) / f64::from(per_decade));
+        for i in 0..=5 * per_decade / 2 {
+            let radius = LEAST * 10f64.powf(f64::from(i) / f64::from(per_decade));
             let bowl = Bowl::new([0.0, 0.0], radius, DEPTH);
-            // Small bowls need nodes of their own.
-            let basis = Some(BasisOptions::new(TOLERANCE));
-            let set = sheet::set(n, &[bowl], SetOptions { basis, ..SetOptions::default() })?;
+            let set = sheet::set(n, &[bowl], SetOptions::default())?;
             let point = [HIT[0] as f32, HIT[1] as f32, 0.0];
             let field = method.after(&set, &[Hit::displacement(point, [0.0, 0.0, -DEPTH as f32])])?;
             let truth = Bowl { at: HIT, ..bowl }.field(&sheet::sheet(n).positions);
