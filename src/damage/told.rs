@@ -83,9 +83,11 @@ pub(crate) fn predicted(set: &ExampleSet, mark: &Mark) -> PredictedMark {
     let hit = predict::Hit { contact: set.mesh().positions()[mark.contact as usize], normal, told };
     let predicted = set.rule().predict(key, &hit);
     let moved = predicted.field.at_vertex(&set.base_lod().rows, mark.contact);
-    let scale = mark.depth / moved.length();
+    // A blow on a held rim dents what is beside it.
+    let depth = if mark.told == 1 { predicted.depth } else { moved.length() };
+    let scale = mark.depth / depth;
     // Beside held rims the rest of a told displacement is left unmet.
-    let most = if set.rim().at(mark.contact) < 1.0 { 1.0 } else { MOST_SCALE };
+    let most = if mark.told == 0 && set.rim().at(mark.contact) < 1.0 { 1.0 } else { MOST_SCALE };
     let scale = if scale.is_finite() { scale.min(most) } else { 0.0 };
     PredictedMark { predicted, moved, scale: if (scale - 1.0).abs() < 1e-6 { 1.0 } else { scale } }
 }

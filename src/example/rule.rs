@@ -52,6 +52,8 @@ pub(crate) struct Predicted {
     pub field: Arc<NodeField>,
     /// Relative L2; 1 is the error of no dent at all.
     pub expected_error: f32,
+    /// Displacement of the contact if no rim were held, m.
+    pub depth: f32,
 }
 
 #[derive(Debug, Default)]
@@ -176,10 +178,10 @@ impl LearnedRule {
             }
             recent.scratch.pop().unwrap_or_default()
         };
-        let (Prediction { expected_error, .. }, moved) = self.predictor.predict(hit, &self.fields, &mut scratch);
+        let (Prediction { expected_error, depth, .. }, moved) = self.predictor.predict(hit, &self.fields, &mut scratch);
         // Numbers of a file may be anything finite.
         let moved = if moved.iter().flatten().all(|u| u.is_finite()) { moved } else { &[] };
-        let predicted = Predicted { field: Arc::new(NodeField::of(moved)), expected_error };
+        let predicted = Predicted { field: Arc::new(NodeField::of(moved)), expected_error, depth };
         let mut recent = self.recent.lock().unwrap_or_else(|e| e.into_inner());
         recent.scratch.push(scratch);
         recent.predictions.truncate(RECENT - 1);

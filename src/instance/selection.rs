@@ -40,7 +40,11 @@ fn predict(set: &ExampleSet, target: &HitTarget, out: &mut Outcome) -> Option<Ma
     let moved = found.moved * found.scale;
     // Examples that push tell nothing of a pull.
     let away = matches!(target.told, Told::Displacement(_)) && moved.dot(target.direction) <= 1e-3 * moved.length();
-    if moved == Vec3::ZERO || away {
+    let nothing = match target.told {
+        Told::Displacement(_) => moved == Vec3::ZERO || away,
+        Told::Strike(_) => found.predicted.depth == 0.0,
+    };
+    if nothing {
         return None;
     }
     out.achieved = (moved * set.mesh().limits().factor(mark.contact, moved)).to_array();

@@ -17,6 +17,8 @@ const FAINT: f32 = 0.004;
 /// Energies of this share of the weakest example's leave nothing, and of `WEAK` all that the law says; logarithms.
 const NOTHING: f64 = -3.4;
 const WEAK: f64 = -1.6;
+/// With fewer examples all blows leave what the law says.
+const FEW: usize = 6;
 /// A field is scaled to a told displacement by at most this factor.
 const MOST_SCALE: f32 = 4.0;
 /// And by this, if only a held rim keeps the contact from moving as far.
@@ -331,6 +333,8 @@ impl Predictor {
                 size = depth / held.max(there / MOST_BESIDE_RIMS).max(1e-9);
                 size = size.clamp(free / MOST_SCALE, free * MOST_SCALE);
             }
+            // A few examples do not tell where weak blows end.
+            None if model.examples.iter().filter(|(_, mirror)| *mirror == Mirror::NONE).count() < FEW => {}
             None => {
                 let t = ((x[STRENGTH_AXIS] - model.size.weakest() - NOTHING) / (WEAK - NOTHING)).clamp(0.0, 1.0);
                 size *= (t * t * (3.0 - 2.0 * t)) as f32;

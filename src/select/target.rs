@@ -132,7 +132,8 @@ pub(crate) fn resolve(set: &ExampleSet, p: &HitParams, hit: &Hit) -> Result<(Out
 
 /// The displacement of a contact that the set predicts of a blow, m.
 fn aimed(set: &ExampleSet, contact: u32, told: &Told, normal: Vec3) -> DVec3 {
-    predicted(set, &Mark::new(contact, 1.0, told, normal)).moved.as_dvec3()
+    let found = predicted(set, &Mark::new(contact, 1.0, told, normal));
+    found.moved.normalize_or(-normal).as_dvec3() * f64::from(found.predicted.depth)
 }
 
 fn check(hit: &Hit) -> Result<(), Error> {
