@@ -2,6 +2,7 @@
 //! ([`super::overlap`]).
 
 use crate::base::error::Error;
+use crate::example::rule::Key;
 use crate::example::set::ExampleSet;
 use crate::mesh::MAX_COORDINATE;
 use bytemuck::{Pod, Zeroable};
@@ -34,9 +35,6 @@ pub struct Mark {
     pub reserved: u16,
 }
 
-/// What tells marks apart: contact, bits of the depth, and the numbers of the hit.
-pub(crate) type Key = [u32; 6];
-
 impl Mark {
     /// <!--
     /// cbindgen:ignore
@@ -44,7 +42,7 @@ impl Mark {
     /// Energy of one hit.
     pub const ONE: u64 = 1 << 32;
 
-    /// Marks with equal keys are merged. Marks are sorted by key.
+    /// Contact, bits of the depth, and the numbers of the hit. Marks with equal keys are merged. Marks are sorted by key.
     pub(crate) fn key(&self) -> Key {
         let two = |a: u16, b: u16| u32::from(a) << 16 | u32::from(b);
         let [x, y] = self.direction;

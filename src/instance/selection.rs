@@ -8,7 +8,6 @@ use crate::damage::told::{Told, predicted};
 use crate::example::set::ExampleSet;
 use crate::select::hit::{Chosen, Hit, HitStatus, Outcome, Selection};
 use crate::select::target::{HitParams, HitTarget, resolve};
-use glam::Vec3;
 
 /// What a hit leaves on the instance.
 #[derive(Debug, Clone, Copy)]
@@ -38,10 +37,9 @@ fn predict(set: &ExampleSet, target: &HitTarget, out: &mut Outcome) -> Option<Ma
     let mark = Mark::new(target.contact, target.size, &target.told, target.normal);
     let found = predicted(set, &mark);
     let moved = found.moved * found.scale;
-    // Examples that push tell nothing of a pull.
-    let away = matches!(target.told, Told::Displacement(_)) && moved.dot(target.direction) <= 1e-3 * moved.length();
     let nothing = match target.told {
-        Told::Displacement(_) => moved == Vec3::ZERO || away,
+        // Examples that push tell nothing of a pull.
+        Told::Displacement(_) => moved.dot(target.direction) <= 1e-3 * moved.length(),
         Told::Strike(_) => found.predicted.depth == 0.0,
     };
     if nothing {

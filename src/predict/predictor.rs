@@ -333,8 +333,8 @@ impl Predictor {
                 size = depth / held.max(there / MOST_BESIDE_RIMS).max(1e-9);
                 size = size.clamp(free / MOST_SCALE, free * MOST_SCALE);
             }
-            // A few examples do not tell where weak blows end.
-            None if model.examples.iter().filter(|(_, mirror)| *mirror == Mirror::NONE).count() < FEW => {}
+            // A few examples do not tell where weak blows end. Their images come after all of them.
+            None if model.examples.get(FEW - 1).is_none_or(|(_, mirror)| *mirror != Mirror::NONE) => {}
             None => {
                 let t = ((x[STRENGTH_AXIS] - model.size.weakest() - NOTHING) / (WEAK - NOTHING)).clamp(0.0, 1.0);
                 size *= (t * t * (3.0 - 2.0 * t)) as f32;
