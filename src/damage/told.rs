@@ -15,8 +15,6 @@ pub(crate) enum Told {
     Strike(predict::Strike),
 }
 
-/// A predicted field is scaled to its mark's depth by at most this factor.
-const MOST_SCALE: f32 = 4.0;
 /// Units of a logarithm, and the least power of 2.
 const UNITS: f64 = 500.0;
 const LEAST: f64 = -64.0;
@@ -87,7 +85,7 @@ pub(crate) fn predicted(set: &ExampleSet, mark: &Mark) -> PredictedMark {
     let depth = if mark.told == 1 { predicted.depth } else { moved.length() };
     let scale = mark.depth / depth;
     // Beside held rims the rest of a told displacement is left unmet.
-    let most = if mark.told == 0 && set.rim().at(mark.contact) < 1.0 { 1.0 } else { MOST_SCALE };
+    let most = if mark.told == 0 && set.rim().at(mark.contact) < 1.0 { 1.0 } else { predict::MOST_SCALE };
     let scale = if scale.is_finite() { scale.min(most) } else { 0.0 };
     PredictedMark { predicted, moved, scale: if (scale - 1.0).abs() < 1e-6 { 1.0 } else { scale } }
 }

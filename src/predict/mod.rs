@@ -35,4 +35,5 @@ pub use features::Strike;
 pub use hits::{Hit, Prediction, Told};
 pub use options::Learned;
 pub use own::Fields;
+pub(crate) use predictor::MOST_SCALE;
 pub use predictor::{Predictor, Scratch};

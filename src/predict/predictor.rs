@@ -20,7 +20,7 @@ const WEAK: f64 = -1.6;
 /// With fewer examples all blows leave what the law says.
 const FEW: usize = 6;
 /// A field is scaled to a told displacement by at most this factor.
-const MOST_SCALE: f32 = 4.0;
+pub(crate) const MOST_SCALE: f32 = 4.0;
 /// And by this, if only a held rim keeps the contact from moving as far.
 const MOST_BESIDE_RIMS: f32 = 1.5;
 /// The largest size over that of the largest example; a logarithm.

@@ -251,7 +251,7 @@ def scale(table):
             if row == 0:
                 axis.set_title(NAMES[body], loc="left", fontweight="bold")
         axes[row, 0].set_ylabel("relative L2 to scale 1 at the origin")
-    style.title(figure, "From a millionth to a million times the size: the same dents to 1.2 %; far off, what 32-bit positions can hold")
+    style.title(figure, "From a millionth to a million times the size: the same dents to 1.2 %")
     finish(figure, axes[0, 0], table, "20 random hits a point, 8 examples", "Exact agreement is drawn at 1e-9.", bottom=0.11, top=0.945, columns=3, legend=0.05)
     return figure
 
