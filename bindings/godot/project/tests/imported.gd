@@ -34,7 +34,8 @@ func test_a_gltf_file_brings_examples_and_blows() -> void:
 	var impacts: Array = mesh.get_meta("extras").impacts
 	for i in described.size():
 		t.same(described[i].name, impacts[i].name, "name")
-	t.near(depth_of_known_blow(examples, impacts[0]), described[0].depth, 1e-4, "the depth of an example's own blow")
+	# Vertices follow nodes, 24 to a node.
+	t.near(depth_of_known_blow(examples, impacts[0]), described[0].depth, 3e-4, "the depth of an example's own blow")
 	scene.free()
 
 
