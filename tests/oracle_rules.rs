@@ -9,9 +9,9 @@ use crumple::{
     Contact, Deltas, ExampleData, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, Mark, MeshData, Rule,
     Selection, SetOptions,
 };
-use oracle::marks::Limit;
+use oracle::marks::{Limit, Shown};
 use oracle::vector::{add, from_f32, length, scale, sub};
-use oracle::{Model, classic, damage::Ledger, marks};
+use oracle::{Model, classic, damage::Ledger};
 use proptest::prelude::*;
 use scenes::{Dice, Output, build, every_node, new, push};
 
@@ -131,27 +131,15 @@ fn alone(set: &Arc<ExampleSet>, mark: &Mark) -> (Vec<[f64; 3]>, f64) {
 
 /// Compares every vertex between the library and the oracle, for the instance's damage. `free` is the same set without limits of vertices.
 fn check_limited(instance: &mut Instance, free: &Arc<ExampleSet>, limits: &[Limit]) -> Result<(), TestCaseError> {
-    let of = |mark: &Mark| {
-        let (field, most) = alone(free, mark);
-        let hits = mark.energy as f64 / Mark::ONE as f64;
-        (marks::Mark { contact: mark.contact as usize, depth: f64::from(mark.depth), hits, field }, most)
-    };
-    let (list, most): (Vec<marks::Mark>, Vec<f64>) = instance.marks().unwrap().iter().map(of).unzip();
-    let strengths = marks::strengths(&list);
+    let given = instance.marks().unwrap().to_vec();
+    let Some(shown) = Shown::of(&given, |mark| alone(free, mark)) else { return Ok(()) };
     let model = Model::of(free);
-    let longest = |m: &marks::Mark| m.field.iter().map(|u| length(*u)).fold(0.0, f64::max);
-    let size: f64 = list.iter().zip(&strengths).map(|(m, s)| s * longest(m)).sum();
     let limit = f64::from(instance.depth_limit()).min(16.0 * model.depth_limit);
-    // Each hit alone was rounded to steps of its own limit.
-    let steps = limit + most.iter().zip(&strengths).map(|(most, s)| s * most).sum::<f64>();
-    let others = marks::doubtful_strengths(&list, |i| 0.87 * most[i] / 16000.0);
     let out = Output::fresh(instance);
     for (v, own) in limits.iter().enumerate() {
-        let ought = add(model.positions[v], marks::displacement(&list, &strengths, v, limit, *own));
+        let ought = add(model.positions[v], shown.displacement(v, limit, *own));
         let off = length(sub(from_f32(out.positions[v]), ought));
-        let of = |strengths: &Vec<f64>| marks::displacement(&list, strengths, v, limit, *own);
-        let doubt: f64 = others.iter().map(|other| 2.0 * length(sub(of(other), of(&strengths)))).sum();
-        let allowed = marks::rounding(ought, size, steps) + doubt;
+        let allowed = shown.doubt(v, limit, *own) + 4e-7 * length(ought);
         prop_assert!(
             off <= allowed,
             "vertex {v}: {:?} is {off:e} from {ought:?}; {allowed:e} is allowed",

@@ -65,7 +65,7 @@ impl Damage {
         });
         update_nearby(set, &mut entries);
         self.dents = entries.into_iter().filter(|e| e.after > 0).map(|e| e.dent).collect();
-        self.dents.iter_mut().zip(&marks).for_each(|(dent, mark)| settle(mark, dent));
+        self.dents.iter_mut().zip(&marks).for_each(|(dent, mark)| settle(set, mark, dent));
         self.marks = marks;
     }
 
@@ -108,7 +108,12 @@ impl Damage {
         let mut all = Damage::default();
         walk(&self.marks, &marks, |own, other| {
             let mark = own.map_or_else(|| marks[other.unwrap_or(0)], |own| self.marks[own]);
-            let mut dent = own.map_or_else(|| dent_alone(set, &mark), |own| self.dents[own].clone());
+            let alone = || {
+                let mut dent = dent_alone(set, &mark);
+                settle(set, &mark, &mut dent);
+                dent
+            };
+            let mut dent = own.map_or_else(alone, |own| self.dents[own].clone());
             if let Some(other) = other {
                 dent.strength = others[other].1;
                 if dent.strength == 0.0 {

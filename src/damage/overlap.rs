@@ -10,6 +10,9 @@
 //! strength = n_m / E_m * E_m^(1/p)
 //! ```
 //!
+//! The field that is shown is that of one hit with the energy `E_m`, rounded to a power of 2, scaled to the depth
+//! `T`: so dents get wider as they get deeper.
+//!
 //! Terms of other marks are rounded down to whole units of energy. So `E_m` is a sum of integers: hits can be added and
 //! taken away one by one, and the sum does not depend on their order.
 
@@ -21,6 +24,8 @@ use crate::example::set::ExampleSet;
 const EXPONENT: f64 = 2.4;
 /// Below this share of its depth, a dent does not count as overlapping.
 const FLOOR: f64 = 0.3;
+/// The greatest level of energy for which a dent is predicted ([`Mark::harder`]): 256 hits.
+const WIDEST: u16 = 8;
 /// Dents whose strength alone is below this are removed.
 const LEAST: f32 = 1e-4;
 
@@ -58,17 +63,18 @@ pub(crate) fn change(dent: &mut Dent, other: &Dent, overlap: f64, before: u64, a
     dent.nearby.others = dent.nearby.others + given(after) - given(before);
 }
 
-/// Sets the strength of a mark's dent.
-pub(crate) fn settle(mark: &Mark, dent: &mut Dent) {
+/// Sets the strength of a mark's dent, and its width.
+pub(crate) fn settle(set: &ExampleSet, mark: &Mark, dent: &mut Dent) {
     dent.alone = strength_alone(mark.energy);
     let all = u128::from(mark.energy) + dent.nearby.others;
-    let deeper = libm::pow(all as f64 / Mark::ONE as f64, 1.0 / EXPONENT);
-    dent.strength = (mark.energy as f64 / all as f64 * deeper) as f32;
+    let hits = all as f64 / Mark::ONE as f64;
+    dent.strength = (mark.energy as f64 / all as f64 * energy_root(hits)) as f32;
+    dent.widen(set, mark, (libm::round(libm::log2(hits.max(1.0))) as u16).min(WIDEST));
 }
 
 /// Strength of a mark that has no other near it.
 pub(crate) fn strength_alone(energy: u64) -> f32 {
-    libm::pow(energy as f64 / Mark::ONE as f64, 1.0 / EXPONENT) as f32
+    energy_root(energy as f64 / Mark::ONE as f64) as f32
 }
 
 /// Whether the dent of a mark with this energy is so weak that it is removed.
@@ -81,9 +87,14 @@ pub(crate) fn energy_factor(factor: f64) -> f64 {
     libm::pow(factor, EXPONENT)
 }
 
+/// How many times as deep so many times the energy makes a dent.
+pub(super) fn energy_root(factor: f64) -> f64 {
+    libm::pow(factor, 1.0 / EXPONENT)
+}
+
 /// The depth of one hit that has the energy of all these marks, m.
 pub(crate) fn depth_of_one<'a>(marks: impl Iterator<Item = &'a Mark>) -> f32 {
     let hits = |mark: &Mark| mark.energy as f64 / Mark::ONE as f64;
     let all: f64 = marks.map(|mark| hits(mark) * energy_factor(mark.depth.into())).sum();
-    libm::pow(all, 1.0 / EXPONENT) as f32
+    energy_root(all) as f32
 }

@@ -1,6 +1,7 @@
 //! What a mark stores of its hit, and what the set predicts of it.
 
 use super::mark::Mark;
+use super::overlap::energy_root;
 use crate::example::rule::Predicted;
 use crate::example::set::ExampleSet;
 use crate::predict;
@@ -18,6 +19,8 @@ pub(crate) enum Told {
 /// Units of a logarithm, and the least power of 2.
 const UNITS: f64 = 500.0;
 const LEAST: f64 = -64.0;
+/// The greatest logarithm, in units.
+const MOST: u16 = 64000;
 
 impl Mark {
     /// The mark of a hit. `normal` is the contact's, of length 1.
@@ -35,6 +38,13 @@ impl Mark {
                 ..mark
             },
         }
+    }
+
+    /// The mark of a hit with 2^`level` times the energy, and how many times as deep it is.
+    pub(super) fn harder(&self, level: u16) -> (Mark, f32) {
+        let deeper = energy_root(libm::exp2(level.into())) as f32;
+        let strength = self.strength.saturating_add(level * UNITS as u16).min(MOST);
+        (Mark { depth: self.depth * deeper, strength: if self.told == 1 { strength } else { 0 }, ..*self }, deeper)
     }
 
     /// The hit of the mark, and the unit normal of its contact: that of the mesh, or against the hit if the mesh has none.
@@ -92,7 +102,7 @@ pub(crate) fn predicted(set: &ExampleSet, mark: &Mark) -> PredictedMark {
 
 fn logarithm(x: f64) -> u16 {
     let units = libm::round((libm::log2(x) - LEAST) * UNITS);
-    units.clamp(0.0, 64000.0) as u16
+    units.clamp(0.0, MOST.into()) as u16
 }
 
 fn power(units: u16) -> f64 {

@@ -1,6 +1,6 @@
 //! Marks near each other: displacements from what each hit alone leaves, one vertex at a time.
 
-use super::vector::{V, add, length, scale};
+use super::vector::{V, add, length, scale, sub};
 
 /// The power of the depth that energy goes with.
 pub const POWER: f64 = 2.4;
@@ -13,46 +13,119 @@ pub struct Mark {
     pub depth: f64,
     /// Energy in hits.
     pub hits: f64,
-    /// What one hit alone moves each vertex by, m.
+    /// What one hit alone moves each vertex by, m, and the depth limit for which that was computed.
     pub field: Vec<V>,
+    pub limit: f64,
 }
 
-/// The part of all the energy near its contact that each mark has: the factor on its field.
-pub fn strengths(marks: &[Mark]) -> Vec<f64> {
+impl Mark {
+    /// A mark of the library. `alone` is what one hit of it moves each vertex by, m, with a depth limit that is far.
+    pub fn of(mark: &crumple::Mark, alone: &impl Fn(&crumple::Mark) -> (Vec<V>, f64)) -> Mark {
+        let (field, limit) = alone(mark);
+        let hits = mark.energy as f64 / crumple::Mark::ONE as f64;
+        Mark { contact: mark.contact as usize, depth: mark.depth.into(), hits, field, limit }
+    }
+
+    /// The longest displacement, m.
+    pub fn longest(&self) -> f64 {
+        self.field.iter().map(|u| length(*u)).fold(0.0, f64::max)
+    }
+}
+
+/// All the energy near each contact, in hits of the mark's depth.
+fn energies(marks: &[Mark]) -> Vec<f64> {
     let share = |of: &Mark, at: &Mark| {
         let own = length(of.field[of.contact]);
         if own > 0.0 { length(of.field[at.contact]) / own } else { 0.0 }
     };
-    let strength = |(m, mark): (usize, &Mark)| {
+    let energy = |(m, mark): (usize, &Mark)| -> f64 {
         let energy = |(j, other): (usize, &Mark)| {
             let near = share(other, mark).max(share(mark, other));
             let overlap = if j == m { 1.0 } else { ((near - 0.3) / 0.7).clamp(0.0, 1.0) };
             overlap * other.hits * (other.depth / mark.depth).powf(POWER)
         };
-        let all: f64 = marks.iter().enumerate().map(energy).sum();
-        mark.hits / all * all.powf(1.0 / POWER)
+        marks.iter().enumerate().map(energy).sum()
     };
-    marks.iter().enumerate().map(strength).collect()
+    marks.iter().enumerate().map(energy).collect()
 }
 
-/// The strengths if the contacts' own displacements are as much longer and shorter as rounding by `step` (of each mark, m) may make them. Where little
-/// changes much, such as the energy of a small dent at the rim of a great one, rounding does too.
-pub fn doubtful_strengths(marks: &[Mark], step: impl Fn(usize) -> f64) -> [Vec<f64>; 2] {
-    [1.0, -1.0].map(|sign| {
-        let off = |(i, mark): (usize, &Mark)| {
-            let mut off = mark.clone();
-            let (own, step) = (&mut off.field[mark.contact], step(i));
-            *own = scale(1.0 + sign * (2e-4 + step / length(*own).max(2.0 * step)), *own);
-            off
-        };
-        strengths(&marks.iter().enumerate().map(off).collect::<Vec<_>>())
-    })
+/// The part of all the energy near its contact that each mark has: the factor on its field.
+fn strengths(marks: &[Mark], energies: &[f64]) -> Vec<f64> {
+    marks.iter().zip(energies).map(|(mark, all)| mark.hits / all * all.powf(1.0 / POWER)).collect()
 }
 
-/// How far the library's f32 may be from a point of the oracle, where a node is at each vertex. `size` is the size of the
-/// displacements summed. Nodes move in at least 16 000 steps up to the limit.
-pub fn rounding(ought: V, size: f64, limit: f64) -> f64 {
-    1e-4 * size + 4e-7 * length(ought) + 0.87 * limit / 16000.0
+/// The energies if the contacts' own displacements are as much longer or shorter as rounding may make them. Where little changes much, such
+/// as the energy of a small dent at the rim of a great one, rounding does too.
+fn doubtful_energies(marks: &[Mark], sign: f64) -> Vec<f64> {
+    let off = |mark: &Mark| {
+        let mut off = mark.clone();
+        let (own, step) = (&mut off.field[mark.contact], 0.87 * mark.limit / 16000.0);
+        *own = scale(1.0 + sign * (2e-4 + step / length(*own).max(2.0 * step)), *own);
+        off
+    };
+    energies(&marks.iter().map(off).collect::<Vec<_>>())
+}
+
+/// The power of two to which an energy is rounded, at most 8.
+fn level(energy: f64) -> u16 {
+    energy.max(1.0).log2().round().min(8.0) as u16
+}
+
+/// Dents with the fields that are shown, and their strengths.
+#[derive(Debug)]
+pub struct Shown {
+    pub marks: Vec<Mark>,
+    pub strengths: Vec<f64>,
+    /// What rounding may make of the strengths.
+    others: [Vec<f64>; 2],
+}
+
+impl Shown {
+    /// What is shown of the library's marks. `alone` is that of [`Mark::of`]. `None` if rounding decides how wide a dent is.
+    pub fn of(given: &[crumple::Mark], alone: impl Fn(&crumple::Mark) -> (Vec<V>, f64)) -> Option<Shown> {
+        let mut marks: Vec<Mark> = given.iter().map(|mark| Mark::of(mark, &alone)).collect();
+        let all = energies(&marks);
+        let doubtful = [1.0, -1.0].map(|sign| doubtful_energies(&marks, sign));
+        let strengths = strengths(&marks, &all);
+        let others = doubtful.each_ref().map(|all| self::strengths(&marks, all));
+        for (i, (mark, given)) in marks.iter_mut().zip(given).enumerate() {
+            let level = level(all[i]);
+            let margin = 1e-3 + (all[i] - doubtful[0][i]).abs() + (all[i] - doubtful[1][i]).abs();
+            if self::level(all[i] + margin) != level || self::level(all[i] - margin) != level {
+                return None;
+            }
+            if level == 0 {
+                continue;
+            }
+            // A blow is stored as 500 times the logarithm to base 2 of its energy.
+            let deeper = f64::from(level).exp2().powf(1.0 / POWER);
+            let strength = if given.told == 1 { given.strength + 500 * level } else { 0 };
+            let depth = given.depth * deeper as f32;
+            let (field, limit) = alone(&crumple::Mark { depth, strength, ..*given });
+            if length(field[mark.contact]) > 0.0 {
+                mark.field = field.iter().map(|u| scale(1.0 / deeper, *u)).collect();
+                mark.limit = limit / deeper;
+            }
+        }
+        Some(Shown { marks, strengths, others })
+    }
+
+    /// Displacement of `vertex` by all marks, on a body with this depth limit, m.
+    pub fn displacement(&self, vertex: usize, limit: f64, own: Limit) -> V {
+        displacement(&self.marks, &self.strengths, vertex, limit, own)
+    }
+
+    /// How far the library may be from that: nodes move in at least 16 000 steps up to the limit.
+    pub fn doubt(&self, vertex: usize, limit: f64, own: Limit) -> f64 {
+        let ought = self.displacement(vertex, limit, own);
+        let of = |strengths: &Vec<f64>| displacement(&self.marks, strengths, vertex, limit, own);
+        let strengths: f64 = self.others.iter().map(|others| 2.0 * length(sub(of(others), ought))).sum();
+        let pairs = || self.marks.iter().zip(&self.strengths);
+        let size: f64 = pairs().map(|(m, s)| s * m.longest()).sum();
+        // Each hit alone was rounded to steps of its own limit.
+        let steps = limit + pairs().map(|(m, s)| s * m.limit).sum::<f64>();
+        strengths + 1e-4 * size + 0.87 * steps / 16000.0
+    }
 }
 
 /// How far a vertex may move: its own depth limit, m, and 1 - stiffness.
@@ -69,7 +142,7 @@ fn soft(length: f64, limit: f64) -> f64 {
 }
 
 /// Displacement of `vertex` by all marks with their strengths, on a body with this depth limit, m.
-pub fn displacement(marks: &[Mark], strengths: &[f64], vertex: usize, limit: f64, own: Limit) -> V {
+fn displacement(marks: &[Mark], strengths: &[f64], vertex: usize, limit: f64, own: Limit) -> V {
     let sum = marks.iter().zip(strengths).fold([0.0; 3], |sum, (m, s)| add(sum, scale(*s, m.field[vertex])));
     let s = length(sum);
     if s == 0.0 {

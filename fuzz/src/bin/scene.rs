@@ -9,7 +9,7 @@ use crumple::{
     ExampleSet, Instance, InstanceOptions, Mark, Serial, SimdLevel, TaskSystem, ThreadPool, Tracker, VertexMemory,
 };
 use crumple_fuzz::{scene, seeds, target};
-use oracle::marks;
+use oracle::marks::{Limit, Shown};
 use oracle::vector::{V, add, from_f32, length, sub};
 
 #[path = "../../../tests/oracle/mod.rs"]
@@ -62,36 +62,18 @@ fn compare(set: &Arc<ExampleSet>, body: &mut Instance, updated: &Output) {
     let given = body.marks().expect("marks").to_vec();
     // Nodes move in steps of their limit.
     let most = 16.0 * set.depth_limit();
-    let one_step = 0.87 * f64::from(most) / 16000.0;
-    let of = |mark: &Mark| marks::Mark {
-        contact: mark.contact as usize,
-        depth: f64::from(mark.depth),
-        hits: mark.energy as f64 / Mark::ONE as f64,
-        field: alone(set, mark, most),
-    };
-    let list: Vec<marks::Mark> = given.iter().map(of).collect();
-    let longest = |mark: &marks::Mark| mark.field.iter().map(|u| length(*u)).fold(0.0, f64::max);
+    let Some(shown) = Shown::of(&given, |mark| (alone(set, mark, most), most.into())) else { return };
     // Near the limit a field is not what its mark alone leaves.
-    if list.iter().any(|mark| longest(mark) > 0.7 * f64::from(most)) {
+    if shown.marks.iter().any(|mark| mark.longest() > 0.7 * mark.limit) {
         return;
     }
-    let strengths = marks::strengths(&list);
-    let size: f64 = list.iter().zip(&strengths).map(|(mark, s)| s * longest(mark)).sum();
-    let unsure: f64 = strengths.iter().map(|s| s * one_step).sum();
     let limit = f64::from(body.depth_limit().min(most));
-    let free = marks::Limit { depth: f64::INFINITY, give: 1.0 };
-    let ought: Vec<V> =
-        (0..set.vertex_count()).map(|v| marks::displacement(&list, &strengths, v, limit, free)).collect();
-    let others = marks::doubtful_strengths(&list, |_| one_step);
+    let free = Limit { depth: f64::INFINITY, give: 1.0 };
     for (v, position) in updated.positions.iter().enumerate() {
         let base = from_f32(set.mesh().positions()[v].to_array());
-        let at = add(base, ought[v]);
+        let at = add(base, shown.displacement(v, limit, free));
         let off = length(sub(from_f32(*position), at));
-        let mut allowed = marks::rounding(at, size, limit) + unsure;
-        for strengths in &others {
-            let other = marks::displacement(&list, strengths, v, limit, free);
-            allowed += 2.0 * length(sub(other, ought[v]));
-        }
+        let allowed = shown.doubt(v, limit, free) + 4e-7 * length(at);
         assert!(
             off <= allowed,
             "vertex {v} at {position:?} is {off:e} m from {at:?}; {allowed:e} is allowed: {given:?}, {:?}",
