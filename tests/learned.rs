@@ -90,6 +90,15 @@ fn an_example_s_own_blow_gives_the_example() {
 }
 
 #[test]
+fn examples_that_look_alike_tell_of_each_other() {
+    // One bowl at six places, none of them the mirror image of another.
+    let mesh = scenes::sheet(24);
+    let bowl = |x: f32| scenes::bowl(&mesh, scenes::nearest(&mesh, [x, 0.5 * x, 0.0]), 0.05, 0.2);
+    let set = learned(&mesh, [-0.29, -0.21, -0.08, 0.04, 0.13, 0.25].map(bowl).to_vec(), SetOptions::default());
+    assert!(set.example_errors().iter().all(|error| *error < 0.1), "{:?}", set.example_errors());
+}
+
+#[test]
 fn more_examples_are_nearer_to_the_truth() {
     let soft = Soft::new();
     let mut dice = Dice::new(91);

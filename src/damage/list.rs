@@ -1,8 +1,9 @@
 //! Damage: a short, sorted list of marks. It is the only state of an instance with the default rule.
 
 use super::dent::Dent;
+use super::energy::{energy_factor, is_gone, strength_alone};
 use super::mark::Mark;
-use super::overlap::{change, dent_alone, energy_factor, is_gone, overlap, settle, strength_alone};
+use super::overlap::{change, dent_alone, overlap, settle};
 use crate::example::set::ExampleSet;
 use std::cmp::Ordering;
 use twox_hash::XxHash3_64;

@@ -2,6 +2,7 @@
 
 pub(crate) mod changes;
 pub(crate) mod dent;
+pub(crate) mod energy;
 pub(crate) mod list;
 pub(crate) mod mark;
 pub(crate) mod overlap;

@@ -17,17 +17,14 @@
 //! taken away one by one, and the sum does not depend on their order.
 
 use super::dent::{Dent, Nearby};
+use super::energy::{energy_factor, energy_root, strength_alone};
 use super::mark::Mark;
 use crate::example::set::ExampleSet;
 
-/// The depth of a dent to this power grows as the energy does (`p` above).
-const EXPONENT: f64 = 2.4;
 /// Below this share of its depth, a dent does not count as overlapping.
 const FLOOR: f64 = 0.3;
 /// The greatest level of energy for which a dent is predicted ([`Mark::harder`]): 256 hits.
 const WIDEST: u16 = 8;
-/// Dents whose strength alone is below this are removed.
-const LEAST: f32 = 1e-4;
 
 /// Makes the dent of a mark that has no other near it.
 pub(crate) fn dent_alone(set: &ExampleSet, mark: &Mark) -> Dent {
@@ -36,7 +33,7 @@ pub(crate) fn dent_alone(set: &ExampleSet, mark: &Mark) -> Dent {
     dent.strength = dent.alone;
     dent.nearby = Nearby {
         contact: mark.contact,
-        power: libm::pow(f64::from(mark.depth), EXPONENT),
+        power: energy_factor(mark.depth.into()),
         depth: dent.alone_at(set, mark.contact).length(),
         reach_square: dent.own_reach_square(set),
         others: 0,
@@ -70,31 +67,4 @@ pub(crate) fn settle(set: &ExampleSet, mark: &Mark, dent: &mut Dent) {
     let hits = all as f64 / Mark::ONE as f64;
     dent.strength = (mark.energy as f64 / all as f64 * energy_root(hits)) as f32;
     dent.widen(set, mark, (libm::round(libm::log2(hits.max(1.0))) as u16).min(WIDEST));
-}
-
-/// Strength of a mark that has no other near it.
-pub(crate) fn strength_alone(energy: u64) -> f32 {
-    energy_root(energy as f64 / Mark::ONE as f64) as f32
-}
-
-/// Whether the dent of a mark with this energy is so weak that it is removed.
-pub(crate) fn is_gone(energy: u64) -> bool {
-    strength_alone(energy) < LEAST
-}
-
-/// The energy, as a factor, that makes a dent `factor` times as deep.
-pub(crate) fn energy_factor(factor: f64) -> f64 {
-    libm::pow(factor, EXPONENT)
-}
-
-/// How many times as deep so many times the energy makes a dent.
-pub(super) fn energy_root(factor: f64) -> f64 {
-    libm::pow(factor, 1.0 / EXPONENT)
-}
-
-/// The depth of one hit that has the energy of all these marks, m.
-pub(crate) fn depth_of_one<'a>(marks: impl Iterator<Item = &'a Mark>) -> f32 {
-    let hits = |mark: &Mark| mark.energy as f64 / Mark::ONE as f64;
-    let all: f64 = marks.map(|mark| hits(mark) * energy_factor(mark.depth.into())).sum();
-    energy_root(all) as f32
 }

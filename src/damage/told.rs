@@ -1,7 +1,7 @@
 //! What a mark stores of its hit, and what the set predicts of it.
 
+use super::energy::energy_root;
 use super::mark::Mark;
-use super::overlap::energy_root;
 use crate::example::rule::Predicted;
 use crate::example::set::ExampleSet;
 use crate::predict;

@@ -112,7 +112,7 @@ impl LearnedRule {
         let samples: Vec<Sample<'_>> = examples
             .iter()
             .zip(&fields)
-            .zip(sources(examples, &fields))
+            .zip(sources(examples, &fields, points.centre, source.mesh.bounds().diagonal()))
             .filter(|((e, _), _)| !e.is_empty())
             .map(|((e, field), simulation)| Sample {
                 contact: e.contact_point(),
@@ -135,10 +135,10 @@ impl LearnedRule {
     pub(crate) fn from_bytes(source: &Source<'_>, bytes: &[u8]) -> Result<Self, Error> {
         let predictor = Predictor::from_bytes(&Points::of(source).body(source.nodes), bytes)?;
         let fields = Moves::of(source);
-        if predictor.learned().errors.len() != fields.0.len() {
+        let samples = predictor.samples();
+        if samples != fields.0.len() {
             let what = format!(
-                "baked set: the errors of section rule are {}; they must be {}, one an example that moves anything",
-                predictor.learned().errors.len(),
+                "baked set: the examples of section rule are {samples}; they must be {}, those that move anything",
                 fields.0.len()
             );
             return Err(Error::Format { what });
@@ -155,8 +155,8 @@ impl LearnedRule {
     }
 
     /// For each example that moves anything, the relative L2 error with which the others predict it.
-    pub(crate) fn errors(&self) -> &[f32] {
-        &self.predictor.learned().errors
+    pub(crate) fn errors(&self) -> Vec<f32> {
+        self.predictor.errors()
     }
 
     /// Whether it predicts blows: some example knows its own. It always predicts displacements.
@@ -197,13 +197,21 @@ impl LearnedRule {
     }
 }
 
-/// For each example the first of its simulation: mirror images of one dent are as deep and as large.
-fn sources(examples: &[Example], fields: &[Vec<Vec3>]) -> Vec<u32> {
+/// For each example the first of its simulation: images of one dent have the same depth, the same L2 and L4 norms, and the same distance from
+/// the body's centre.
+fn sources(examples: &[Example], fields: &[Vec<Vec3>], centre: Vec3, diagonal: f32) -> Vec<u32> {
     /// Relative difference.
-    const SAME: f32 = 1e-3;
-    let size = |field: &Vec<Vec3>| field.iter().map(|u| f64::from(u.length_squared())).sum::<f64>().sqrt() as f32;
-    let dents: Vec<(f32, f32)> = examples.iter().zip(fields).map(|(e, f)| (e.depth(), size(f))).collect();
-    let same = |(a, b): (f32, f32), (c, d): (f32, f32)| (a - c).abs() <= SAME * a && (b - d).abs() <= SAME * b;
+    const SAME: f64 = 1e-3;
+    let dent = |(e, field): (&Example, &Vec<Vec3>)| {
+        let squares = || field.iter().map(|u| f64::from(u.length_squared()));
+        let norms = [squares().sum::<f64>().sqrt(), squares().map(|s| s * s).sum::<f64>().sqrt().sqrt()];
+        let away = f64::from(e.contact_point().distance(centre) / diagonal);
+        ([e.depth().into(), norms[0], norms[1]], away)
+    };
+    let dents: Vec<([f64; 3], f64)> = examples.iter().zip(fields).map(dent).collect();
+    let same = |(a, far): ([f64; 3], f64), (b, other): ([f64; 3], f64)| {
+        a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME * a) && (far - other).abs() <= SAME
+    };
     (0..dents.len()).map(|i| (0..i).find(|j| same(dents[i], dents[*j])).unwrap_or(i) as u32).collect()
 }
 

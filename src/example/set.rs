@@ -338,7 +338,7 @@ impl ExampleSet {
     /// For each example the relative L2 error with which the others predict it: from its blow, or from its displacement if it knows none.
     /// 1 is the error of no dent at all; 0 for an example that moves nothing.
     pub fn example_errors(&self) -> Vec<f32> {
-        let mut errors = self.rule().errors().iter().copied();
+        let mut errors = self.rule().errors().into_iter();
         self.examples.iter().map(|e| if e.is_empty() { 0.0 } else { errors.next().unwrap_or(1.0) }).collect()
     }
 

@@ -1,12 +1,12 @@
 //! A learned rule as bytes: a sequence of arrays, each a u64 length and its elements, little-endian, filled up to 8 bytes.
 //! docs/format.md names them.
 
+use super::Body;
 use super::features::{AXES, Points};
 use super::kernel::GROUPS;
 use super::predictor::{Model, Part, Predictor, Typical};
 use super::size::SizeLaw;
 use super::stamp::{Frames, STAMP};
-use super::{Body, Learned};
 use crate::base::error::Error;
 use crate::base::math::Aabb;
 use crate::mesh::mirror::Mirror;
@@ -110,7 +110,7 @@ impl Flat<'_> {
         self.numbers(&mut m.errors)?;
         length("a number of sizes", m.logs.len(), n)?;
         length("a number of errors", m.errors.len(), n)?;
-        self.fixed([&mut m.share, &mut m.factor, &mut m.stretch, &mut m.reference, &mut m.far])?;
+        self.fixed([&mut m.share, &mut m.factor, &mut m.reference, &mut m.far])?;
         self.size(&mut m.size, n)?;
         self.part(&mut m.carried, (n, STAMP))?;
         self.part(&mut m.anchored, (n, 3 * points))?;
@@ -141,21 +141,11 @@ impl Flat<'_> {
         if let Some(far) = p.partners.iter().flat_map(|(_, list)| list).find(|v| **v as usize >= points) {
             return Err(wrong("a mirrored point", far, format!("below {points}")));
         }
-        let learned = &mut p.learned;
-        self.numbers(&mut learned.errors)?;
-        self.numbers(&mut learned.displacement_errors)?;
-        length("a number of errors", learned.displacement_errors.len(), learned.errors.len())?;
-        let mut told: Vec<f32> = [learned.anchored, learned.stretch].concat();
-        told.extend(learned.mirrored.map(|m| f32::from(u8::from(m))));
-        self.numbers(&mut told)?;
-        length("a number of shares", told.len(), 6)?;
-        (learned.anchored, learned.stretch) = ([told[0], told[1]], [told[2], told[3]]);
-        learned.mirrored = [told[4] != 0.0, told[5] != 0.0];
         self.array(&mut p.order)?;
         let samples = p.order.len();
         let mut given: Vec<u32> = p.order.clone();
         given.sort_unstable();
-        if samples != p.learned.errors.len() || !given.into_iter().eq(0..samples as u32) {
+        if !given.into_iter().eq(0..samples as u32) {
             return Err(wrong("the order of the examples", format!("{samples} numbers"), "each of them once"));
         }
         if displacements != 0.0 {
@@ -203,7 +193,6 @@ impl Predictor {
             displacement: None,
             order: Vec::new(),
             reach: 0.0,
-            learned: Learned::default(),
         };
         let mut flat = Flat::Read(bytes);
         flat.rule(&mut rule)?;

@@ -7,7 +7,6 @@ use super::kernel::Lengths;
 use super::kriging::Kriging;
 use super::linear::{add32, dot32};
 use super::lookup::{nearest, partners};
-use super::options::Learned;
 use super::predictor::{MOST_SCALE, Model, Part, Predictor, Typical, blow_point, displacement_point, wide};
 use super::rank::{LowRank, gram};
 use super::size::SizeLaw;
@@ -93,40 +92,21 @@ fn learn(body: &Body<'_>, samples: &[Sample<'_>], tasks: &dyn TaskSystem) -> Res
         typical,
     };
 
-    let (displacement, mut mirrored) = (data.best_model(false, tasks), [false; 2]);
-    let blow = data.best_model(true, tasks);
-    let unknown = vec![1.0; samples.len()];
-    let mut learned = Learned { errors: unknown.clone(), displacement_errors: unknown, ..Learned::default() };
-    for (k, model) in [blow.as_ref(), displacement.as_ref()].into_iter().enumerate().rev() {
-        let Some(model) = model else { continue };
-        for ((example, mirror), error) in model.examples.iter().zip(&model.errors) {
-            if *mirror == Mirror::NONE {
-                let at = order[*example as usize];
-                learned.errors[at] = *error as f32;
-                if k == 1 {
-                    learned.displacement_errors[at] = *error as f32;
-                }
-            } else {
-                mirrored[k] = true;
-            }
-        }
-        learned.anchored[k] = model.share as f32;
-        learned.stretch[k] = model.stretch as f32;
-    }
-    learned.mirrored = mirrored;
+    let (displacement, blow) = (data.best_model(false, tasks), data.best_model(true, tasks));
+    let mut images = displacement.iter().chain(&blow).flat_map(|model| &model.examples);
+    let is_mirrored = images.any(|(_, mirror)| *mirror != Mirror::NONE);
     Ok(Predictor {
         points: body.points.to_vec(),
         normals: body.normals.to_vec(),
         held: body.held.to_vec(),
         diagonal: data.diagonal,
         frames: data.frames,
-        partners: if mirrored.contains(&true) { data.partners } else { Vec::new() },
+        partners: if is_mirrored { data.partners } else { Vec::new() },
         typical,
         blow,
         displacement,
         order: order.iter().map(|i| *i as u32).collect(),
         reach: reach(body, &data.samples, data.diagonal),
-        learned,
     })
 }
 
@@ -299,8 +279,7 @@ impl Data<'_> {
         let strengths: Vec<f64> =
             points.iter().zip(&logs).map(|(p, l)| if blows { *l } else { p[STRENGTH_AXIS] }).collect();
         let reference = strengths.iter().sum::<f64>() / n as f64;
-        let stretch = if blows { 1.0 / 3.0 } else { 0.5 };
-        let wide = |i: usize| wide(stretch, strengths[i] - reference);
+        let wide = |i: usize| wide(blows, strengths[i] - reference);
 
         let lean = |mut l: Lengths| {
             if !blows {
@@ -362,7 +341,6 @@ impl Data<'_> {
             logs,
             size,
             carried: Part::new(lengths.factors(), mean, coefficients, &low.modes),
-            stretch,
             reference,
             far: 1.0,
             ..Model::default()

@@ -3,7 +3,6 @@
 use super::body::held;
 use super::features::{Point, Points, STRENGTH_AXIS, Strike, point};
 use super::kernel::{GROUPS, exp, matern};
-use super::options::Learned;
 use super::own::{self, Fields};
 use super::size::SizeLaw;
 use super::stamp::{Frames, STAMP, View, reads};
@@ -106,8 +105,7 @@ pub(super) struct Model {
     pub share: f64,
     /// Logarithm of the factor on sizes.
     pub factor: f64,
-    /// Exponent of the grid's stretch, and the logarithm for which it is 1.
-    pub stretch: f64,
+    /// Logarithm of the strength for which the grid is not stretched.
     pub reference: f64,
     /// Relative L2 error of each when it is left out, and of a hit that is far from all.
     pub errors: Vec<f64>,
@@ -143,7 +141,6 @@ pub struct Predictor {
     pub(super) order: Vec<u32>,
     /// The largest distance from a contact at which a sample moves by a hundredth of its longest displacement, m.
     pub(super) reach: f32,
-    pub(super) learned: Learned,
 }
 
 /// Memory that predictions share.
@@ -160,9 +157,10 @@ pub struct Scratch {
     fours: Vec<Four>,
 }
 
-/// Factor on the width of the grid for a strength (logarithm) above that of width 1.
-pub(super) fn wide(stretch: f64, strength: f64) -> f64 {
-    exp((stretch * strength).clamp(-1.4, 1.4))
+/// Factor on the width of the grid for a strength (logarithm) above that of width 1: the size of a blow's field, or a displacement.
+pub(super) fn wide(is_blow: bool, strength: f64) -> f64 {
+    let exponent = if is_blow { 1.0 / 3.0 } else { 0.5 };
+    exp((exponent * strength).clamp(-1.4, 1.4))
 }
 
 /// The space of hits: what a hit is as a point.
@@ -193,9 +191,21 @@ pub(super) fn displacement_point(u: Vec3, place: Vec3, normal: Vec3, diagonal: f
 }
 
 impl Predictor {
-    /// What was learned, and how well each sample is predicted by the others.
-    pub fn learned(&self) -> &Learned {
-        &self.learned
+    /// Relative L2 error of each sample's field when the others predict it from the blow (from the displacement if it knows no blow), in the
+    /// order in which they were given.
+    pub fn errors(&self) -> Vec<f32> {
+        let mut errors = vec![1.0; self.order.iter().max().map_or(0, |last| *last as usize + 1)];
+        // A sample that knows its blow has the error of that.
+        for model in self.displacement.iter().chain(&self.blow) {
+            let own = model.examples.iter().zip(&model.errors).filter(|((_, mirror), _)| *mirror == Mirror::NONE);
+            own.for_each(|((example, _), error)| errors[self.order[*example as usize] as usize] = *error as f32);
+        }
+        errors
+    }
+
+    /// The number of samples that it was learned from.
+    pub fn samples(&self) -> usize {
+        self.order.len()
     }
 
     /// Whether blows can be predicted: some sample knows its own.
@@ -248,7 +258,7 @@ impl Predictor {
             all += k;
         }
         let strength = if told.is_some() { x[STRENGTH_AXIS] } else { log };
-        let wide = wide(model.stretch, strength - model.reference);
+        let wide = wide(told.is_none(), strength - model.reference);
 
         s.field.clear();
         s.field.resize(3 * self.points.len(), 0.0);
