@@ -22,7 +22,7 @@
 //!
 //! For other devices wgpu translates the WGSL. It does not forbid drivers to fuse or reorder operations. Lavapipe does so with the
 //! classic rule "blend", and not with the default rule. The tests accept 4 units in the last place of the body's largest coordinate,
-//! and 16 units of 1 for normals and tangents; a tolerance above 0 adds to that. Classic rules compare lengths, and may choose
+//! and 32 units of 1 for normals and tangents; a tolerance above 0 adds to that. Classic rules compare lengths, and may choose
 //! otherwise if they are nearly equal. On one device vertices with equal inputs are equal, so that seams stay shut.
 //!
 //! # Threads
