@@ -10,7 +10,7 @@
 //! strength = n_m / E_m * E_m^(1/p)
 //! ```
 //!
-//! The field that is shown is that of one hit with the energy `E_m`, rounded to a power of 2, scaled to the depth
+//! The field that is shown is that of one hit with the energy `E_m`, rounded to a power of 2 (8 at most), scaled to the depth
 //! `T`: so dents get wider as they get deeper.
 //!
 //! Terms of other marks are rounded down to whole units of energy. So `E_m` is a sum of integers: hits can be added and
@@ -23,8 +23,8 @@ use crate::example::set::ExampleSet;
 
 /// Below this share of its depth, a dent does not count as overlapping.
 const FLOOR: f64 = 0.3;
-/// The greatest level of energy for which a dent is predicted ([`Mark::harder`]): 256 hits.
-const WIDEST: u16 = 8;
+/// The greatest level of energy for which a dent is predicted ([`Mark::harder`]): 8 hits.
+const WIDEST: u16 = 3;
 
 /// Makes the dent of a mark that has no other near it.
 pub(crate) fn dent_alone(set: &ExampleSet, mark: &Mark) -> Dent {

@@ -66,9 +66,9 @@ fn doubtful_energies(marks: &[Mark], sign: f64) -> Vec<f64> {
     energies(&marks.iter().map(off).collect::<Vec<_>>())
 }
 
-/// The power of two to which an energy is rounded, at most 8.
+/// The power of two to which an energy is rounded, at most 3.
 fn level(energy: f64) -> u16 {
-    energy.max(1.0).log2().round().min(8.0) as u16
+    energy.max(1.0).log2().round().min(3.0) as u16
 }
 
 /// Dents with the fields that are shown, and their strengths.
