@@ -32,7 +32,7 @@ def panel(axis, table, error, label, title):
         for r in rows:
             axis.annotate(f"{r['pixels']:g}", (r[error], r["ms_per_frame"]), textcoords="offset points", xytext=(6, 3), fontsize=8.5, color=colour, path_effects=style.HALO)
     axis.set_yscale("log")
-    axis.yaxis.set_major_locator(FixedLocator([0.5, 1, 2, 5, 10, 20, 50, 100, 200]))
+    axis.yaxis.set_major_locator(FixedLocator([1, 2, 3, 5, 7, 8, 9, 10, 12, 15, 20, 30, 50, 100, 200]))
     axis.yaxis.set_minor_locator(NullLocator())
     axis.yaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
     axis.set_xscale("symlog", linthresh=0.01, linscale=0.4)
