@@ -90,7 +90,8 @@ impl Dent {
 
     /// Memory that the dent holds, bytes.
     pub(crate) fn memory_bytes(&self) -> usize {
-        let wider = if self.level == 0 { 0 } else { self.shown.field.bytes() };
-        size_of::<Self>() + self.one.field.bytes() + wider
+        let is_one = Arc::ptr_eq(&self.shown.field, &self.one.field);
+        let shown = if is_one { 0 } else { self.shown.field.bytes() };
+        size_of::<Self>() + self.one.field.bytes() + shown
     }
 }

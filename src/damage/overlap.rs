@@ -26,11 +26,9 @@ const FLOOR: f64 = 0.3;
 /// The greatest level of energy for which a dent is predicted ([`Mark::harder`]): 8 hits.
 const WIDEST: u16 = 3;
 
-/// Makes the dent of a mark that has no other near it.
+/// Makes the dent of a mark, which knows of no other near it. [`settle`] sets its strength.
 pub(crate) fn dent_alone(set: &ExampleSet, mark: &Mark) -> Dent {
     let mut dent = Dent::of_one_hit(set, mark);
-    dent.alone = strength_alone(mark.energy);
-    dent.strength = dent.alone;
     dent.nearby = Nearby {
         contact: mark.contact,
         power: energy_factor(mark.depth.into()),

@@ -75,9 +75,11 @@ fn level(energy: f64) -> u16 {
 #[derive(Debug)]
 pub struct Shown {
     pub marks: Vec<Mark>,
-    pub strengths: Vec<f64>,
+    strengths: Vec<f64>,
     /// What rounding may make of the strengths.
     others: [Vec<f64>; 2],
+    /// How far rounding of the fields may move a vertex, m.
+    rounding: f64,
 }
 
 impl Shown {
@@ -107,7 +109,10 @@ impl Shown {
                 mark.limit = limit / deeper;
             }
         }
-        Some(Shown { marks, strengths, others })
+        // Each hit alone was rounded to steps of its own limit.
+        let off = |(m, s): (&Mark, &f64)| s * (1e-4 * m.longest() + 0.87 * m.limit / 16000.0);
+        let rounding = marks.iter().zip(&strengths).map(off).sum();
+        Some(Shown { marks, strengths, others, rounding })
     }
 
     /// Displacement of `vertex` by all marks, on a body with this depth limit, m.
@@ -120,11 +125,7 @@ impl Shown {
         let ought = self.displacement(vertex, limit, own);
         let of = |strengths: &Vec<f64>| displacement(&self.marks, strengths, vertex, limit, own);
         let strengths: f64 = self.others.iter().map(|others| 2.0 * length(sub(of(others), ought))).sum();
-        let pairs = || self.marks.iter().zip(&self.strengths);
-        let size: f64 = pairs().map(|(m, s)| s * m.longest()).sum();
-        // Each hit alone was rounded to steps of its own limit.
-        let steps = limit + pairs().map(|(m, s)| s * m.limit).sum::<f64>();
-        strengths + 1e-4 * size + 0.87 * steps / 16000.0
+        strengths + self.rounding + 0.87 * limit / 16000.0
     }
 }
 
