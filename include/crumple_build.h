@@ -96,7 +96,7 @@ typedef struct CrumpleMeshDef {
 
 /// How an example set is built. The def that contains it sets its defaults.
 typedef struct CrumpleExampleSetOptions {
-    /// No vertex moves further than this, m. Default 0: 4/3 of the depth of the deepest example.
+    /// No vertex moves further than this, m. Default 0: three times the depth of the deepest example.
     float depth_limit;
     /// Displacements of an example up to this length are dropped, m. Default 0: drops only zeros.
     float drop_below;

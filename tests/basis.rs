@@ -90,13 +90,13 @@ fn many_hits_leave_no_plateau() {
     let (copy, _) = following("panel", options(&set));
     let limit = copy.depth_limit();
     let deepest = set.examples().iter().map(|e| e.max_depth()).fold(0.0, f32::max);
-    assert!((limit * 0.75 - deepest).abs() < 1e-6, "the deepest example moves freely");
+    assert!((limit - 3.0 * deepest).abs() < 1e-6, "{limit}");
     let mut body = Instance::new(copy.clone(), InstanceOptions { capacity: 64, ..InstanceOptions::default() }).unwrap();
     let mut dice = Dice::new(64);
     for _ in 0..64 {
         let v = dice.index(set.vertex_count());
         let (at, normal) = (set.mesh().positions()[v], set.mesh().contact_normal(v as u32).unwrap());
-        let depth = deepest * dice.between(0.1, 0.8);
+        let depth = deepest * dice.between(0.2, 1.8);
         body.submit(&Hit::displacement(at.to_array(), (normal * -depth).to_array())).unwrap();
     }
     let moved = displacements(&mut body);

@@ -26,8 +26,6 @@ use glam::Vec3;
 pub(crate) const TILE: usize = 16;
 /// A weight of 1.
 pub(crate) const ONE: i32 = 64;
-/// The share of the depth limit up to which nodes move freely. Beyond it they approach the limit.
-pub(crate) const FREE: f32 = 0.75;
 /// The largest sum of a vertex's absolute weights: 511 times 32767 is below 2^24.
 pub(crate) const MOST_WEIGHT: i32 = 511;
 

@@ -50,7 +50,7 @@ pub enum CrumpleContactKind {
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CrumpleExampleSetOptions {
-    /// No vertex moves further than this, m. Default 0: 4/3 of the depth of the deepest example.
+    /// No vertex moves further than this, m. Default 0: three times the depth of the deepest example.
     pub depth_limit: f32,
     /// Displacements of an example up to this length are dropped, m. Default 0: drops only zeros.
     pub drop_below: f32,
@@ -423,7 +423,12 @@ pub(super) unsafe fn read_options(options: &CrumpleExampleSetOptions, vertices: 
     };
     let basis = positive_or(options.basis_tolerance, "def.options.basis_tolerance", "m", "nodes spread evenly")?;
     Ok(SetOptions {
-        depth_limit: positive_or(options.depth_limit, "def.options.depth_limit", "m", "4/3 of the deepest example's")?,
+        depth_limit: positive_or(
+            options.depth_limit,
+            "def.options.depth_limit",
+            "m",
+            "three times the deepest example's",
+        )?,
         mirror: boolean(options.mirror),
         held_rims: boolean(options.held_rims),
         whole_examples: boolean(options.whole_examples),

@@ -17,7 +17,7 @@ pub(crate) struct Dent {
     pub contact: Vec3,
     /// What one hit moves.
     one: Moves,
-    /// What all energy near the contact moves, for a strength of 1.
+    /// What all energy of the mark moves, for a strength of 1.
     shown: Moves,
     /// Of that energy ([`Mark::harder`]).
     level: u16,

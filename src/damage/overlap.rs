@@ -10,8 +10,9 @@
 //! strength = n_m / E_m * E_m^(1/p)
 //! ```
 //!
-//! The field that is shown is that of one hit with the energy `E_m`, rounded to a power of 2 (8 at most), scaled to the depth
-//! `T`: so dents get wider as they get deeper.
+//! The field that is shown is that of one hit with the energy `n_m`, rounded to a power of 2 (8 at most), scaled to the depth
+//! `T`: so what is hit again and again at one place gets wider as it gets deeper. Energies of other marks do not widen a dent:
+//! their own dents lie there.
 //!
 //! Terms of other marks are rounded down to whole units of energy. So `E_m` is a sum of integers: hits can be added and
 //! taken away one by one, and the sum does not depend on their order.
@@ -64,5 +65,6 @@ pub(crate) fn settle(set: &ExampleSet, mark: &Mark, dent: &mut Dent) {
     let all = u128::from(mark.energy) + dent.nearby.others;
     let hits = all as f64 / Mark::ONE as f64;
     dent.strength = (mark.energy as f64 / all as f64 * energy_root(hits)) as f32;
-    dent.widen(set, mark, (libm::round(libm::log2(hits.max(1.0))) as u16).min(WIDEST));
+    let own = mark.energy as f64 / Mark::ONE as f64;
+    dent.widen(set, mark, (libm::round(libm::log2(own.max(1.0))) as u16).min(WIDEST));
 }

@@ -5,12 +5,14 @@
 
 use super::view::{NodeSteps, NodeView};
 use crate::base::math::{MOST_WHOLE, small_whole};
-use crate::basis::FREE;
 use crate::basis::field::{GROUP, MOST, NodeField};
 use crate::damage::list::Damage;
 use crate::damage::mark::Mark;
 use std::cmp::Ordering;
 use std::sync::Arc;
+
+/// The share of the depth limit up to which nodes move freely. Beyond it they approach the limit.
+const FREE: f32 = 0.75;
 
 /// The displacements of all nodes, as of the last update. Bodies that were never dented take no memory for them.
 #[derive(Debug)]

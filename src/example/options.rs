@@ -20,7 +20,7 @@ pub enum VertexMass {
 /// Options for building an example set.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SetOptions {
-    /// Largest displacement of any vertex, m. `None` takes 4/3 of the longest displacement of all examples.
+    /// Largest displacement of any vertex, m. `None` takes three times the longest displacement of all examples.
     pub depth_limit: Option<f32>,
     /// Mass of the vertices.
     pub mass: VertexMass,

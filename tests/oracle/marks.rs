@@ -66,7 +66,7 @@ fn doubtful_energies(marks: &[Mark], sign: f64) -> Vec<f64> {
     energies(&marks.iter().map(off).collect::<Vec<_>>())
 }
 
-/// The power of two to which an energy is rounded, at most 3.
+/// The power of two to which a mark's own energy is rounded, at most 3.
 fn level(energy: f64) -> u16 {
     energy.max(1.0).log2().round().min(3.0) as u16
 }
@@ -83,19 +83,14 @@ pub struct Shown {
 }
 
 impl Shown {
-    /// What is shown of the library's marks. `alone` is that of [`Mark::of`]. `None` if rounding decides how wide a dent is.
-    pub fn of(given: &[crumple::Mark], alone: impl Fn(&crumple::Mark) -> (Vec<V>, f64)) -> Option<Shown> {
+    /// What is shown of the library's marks. `alone` is that of [`Mark::of`].
+    pub fn of(given: &[crumple::Mark], alone: impl Fn(&crumple::Mark) -> (Vec<V>, f64)) -> Shown {
         let mut marks: Vec<Mark> = given.iter().map(|mark| Mark::of(mark, &alone)).collect();
         let all = energies(&marks);
-        let doubtful = [1.0, -1.0].map(|sign| doubtful_energies(&marks, sign));
         let strengths = strengths(&marks, &all);
-        let others = doubtful.each_ref().map(|all| self::strengths(&marks, all));
-        for (i, (mark, given)) in marks.iter_mut().zip(given).enumerate() {
-            let level = level(all[i]);
-            let margin = 1e-3 + (all[i] - doubtful[0][i]).abs() + (all[i] - doubtful[1][i]).abs();
-            if self::level(all[i] + margin) != level || self::level(all[i] - margin) != level {
-                return None;
-            }
+        let others = [1.0, -1.0].map(|sign| self::strengths(&marks, &doubtful_energies(&marks, sign)));
+        for (mark, given) in marks.iter_mut().zip(given) {
+            let level = level(mark.hits);
             if level == 0 {
                 continue;
             }
@@ -112,7 +107,7 @@ impl Shown {
         // Each hit alone was rounded to steps of its own limit.
         let off = |(m, s): (&Mark, &f64)| s * (1e-4 * m.longest() + 0.87 * m.limit / 16000.0);
         let rounding = marks.iter().zip(&strengths).map(off).sum();
-        Some(Shown { marks, strengths, others, rounding })
+        Shown { marks, strengths, others, rounding }
     }
 
     /// Displacement of `vertex` by all marks, on a body with this depth limit, m.

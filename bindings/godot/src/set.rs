@@ -34,7 +34,7 @@ pub struct CrumpleExampleSet {
     /// The bytes of a `.crumple` file. If it is empty, the set is built from [member mesh].
     #[var(set, usage_flags = [STORAGE])]
     data: PackedByteArray,
-    /// The furthest that any vertex moves, m. 0 takes 4/3 of the longest displacement of all examples.
+    /// The furthest that any vertex moves, m. 0 takes three times the longest displacement of all examples.
     #[export(range = (0.0, 1.0, 0.001, or_greater, suffix = "m"))]
     #[var(set)]
     depth_limit: f32,

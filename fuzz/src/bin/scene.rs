@@ -62,7 +62,7 @@ fn compare(set: &Arc<ExampleSet>, body: &mut Instance, updated: &Output) {
     let given = body.marks().expect("marks").to_vec();
     // Nodes move in steps of their limit.
     let most = 16.0 * set.depth_limit();
-    let Some(shown) = Shown::of(&given, |mark| (alone(set, mark, most), most.into())) else { return };
+    let shown = Shown::of(&given, |mark| (alone(set, mark, most), most.into()));
     // Near the limit a field is not what its mark alone leaves.
     if shown.marks.iter().any(|mark| mark.longest() > 0.7 * mark.limit) {
         return;

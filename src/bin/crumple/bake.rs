@@ -30,7 +30,7 @@ pub struct Arguments {
     /// Largest error of a stored normal, such as 1deg or 0.02rad (a bare number is degrees); needs --tolerance
     #[arg(long, value_name = "ANGLE", value_parser = angle, requires = "tolerance")]
     normal_tolerance: Option<f32>,
-    /// No vertex moves further than this [default: 4/3 of the depth of the deepest example]
+    /// No vertex moves further than this [default: three times the depth of the deepest example]
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     depth_limit: Option<f32>,
     /// Keep the examples whole, for the rules of the paper (`--rule` of `crumple apply`): on large bodies ten times the memory for each

@@ -172,7 +172,7 @@ pub(super) struct SetRecord {
     pub(super) welded: u64,
     pub(super) examples: u32,
     pub(super) meshes: u32,
-    /// m; 0: 4/3 of the depth of the deepest example.
+    /// m; 0: three times the depth of the deepest example.
     pub(super) depth_limit: f32,
     /// m.
     pub(super) drop_below: f32,

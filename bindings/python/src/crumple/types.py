@@ -82,7 +82,7 @@ class SetOptions:
     """How an example set is built. CrumpleExampleSetOptions in crumple.h says more about each."""
 
     depth_limit: float = 0.0
-    """No vertex moves further than this, m. 0: 4/3 of the depth of the deepest example."""
+    """No vertex moves further than this, m. 0: three times the depth of the deepest example."""
     drop_below: float = 0.0
     """Displacements of an example up to this length are dropped, m."""
     vertex_mass: float = 0.0
