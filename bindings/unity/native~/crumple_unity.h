@@ -3,7 +3,7 @@
 // Unity loads this library, crumple_unity, and tells it of its Vulkan device. It finds the library crumple in the same folder,
 // the very file that C# calls too, so that contexts, instances and hits are the same on both sides.
 //
-//   crumple_unity_state()            is there a Vulkan device? if not, why not
+//   crumple_unity_device()           is there a Vulkan device? if not, why not
 //   crumple_unity_add_context()      a context whose instances are to be deformed on the device
 //   crumple_unity_register_buffer()  a mesh's vertex buffer, by GraphicsBuffer.GetNativeBufferPtr()
 //   crumple_unity_want()             bring it up to date at the next event; nothing else records
@@ -12,10 +12,10 @@
 //
 // Threads. Every function may be called from any thread. Unity's render thread runs the event while the main thread may be inside
 // the same context, and two threads must not be (crumple.h, "Threads"). So the main thread puts its calls between
-// crumple_unity_lock() and crumple_unity_unlock(); crumple_instance_submit_hit(), crumple_instance_submit_hit() and
-// crumple_instance_end_contact() need no lock. The main thread waits for at most one recording of its context, without Unity's doing. The
-// render thread never waits for the main thread: where a context is locked its buffers stay wanted, and the next event records
-// them. Only the end of a device (and UnityPluginUnload) waits for the lock, so call nothing of Unity's while you hold it.
+// crumple_unity_lock() and crumple_unity_unlock(); crumple_instance_submit_hit() and crumple_instance_end_contact() need no lock.
+// The main thread waits for at most one recording of its context. The render thread never waits for the main thread: the buffers
+// of a locked context stay wanted, and the next event records them. Only the end of a device (and UnityPluginUnload) waits for
+// the lock, so call nothing of Unity's while you hold it.
 //
 // Frames. Unity's own counters tell which frames the device is done with; what belongs to earlier ones is kept until then.
 //
@@ -38,32 +38,6 @@
 extern "C" {
 #endif
 
-/// Whether buffers can be written on the device.
-typedef enum {
-    /// There is a Vulkan device.
-    CRUMPLE_UNITY_READY = 0,
-    /// Unity has not called UnityPluginLoad(), or has called UnityPluginUnload().
-    CRUMPLE_UNITY_NOT_LOADED = 1,
-    /// No library crumple beside this one, or one of another version.
-    CRUMPLE_UNITY_NO_LIBRARY = 2,
-    /// Another renderer than Vulkan, or none: the CPU path works there.
-    CRUMPLE_UNITY_OTHER_RENDERER = 3,
-    /// Vulkan's device is gone, or not there yet.
-    CRUMPLE_UNITY_NO_DEVICE = 4,
-} CrumpleUnityState;
-
-/// Where a registered buffer stands.
-typedef enum {
-    /// No event has seen it.
-    CRUMPLE_UNITY_BUFFER_NEW = 0,
-    /// It was recorded.
-    CRUMPLE_UNITY_BUFFER_RECORDED = 1,
-    /// It cannot be: crumple_unity_buffer_error() tells why. Unregister it and take the CPU path.
-    CRUMPLE_UNITY_BUFFER_FAILED = 2,
-    /// Its device is gone: unregister it, and register the mesh's buffer anew when there is a device again.
-    CRUMPLE_UNITY_BUFFER_LOST = 3,
-} CrumpleUnityBufferState;
-
 /// Where one attribute lies in the vertex buffer. dimension 0: it has none.
 typedef struct {
     /// UnityEngine.Rendering.VertexAttributeFormat, as number.
@@ -77,34 +51,22 @@ typedef struct {
 /// A mesh's vertex buffer. Positions may be Float32 x 3 or Float16 x 4, normals Float32 x 3, SNorm16 x 4 or SNorm8 x 4,
 /// tangents Float32 x 4, SNorm16 x 4 or SNorm8 x 4. All of them lie in this one vertex stream.
 typedef struct {
-    /// sizeof(CrumpleUnityBufferDef).
-    uint32_t struct_size;
-    /// The mesh of the example set that it shows: 0 the base mesh, else a number from crumple_example_set_add_lod().
-    uint32_t lod;
     /// Whose damage.
     CrumpleInstance instance;
     /// GraphicsBuffer.GetNativeBufferPtr() of Mesh.GetVertexBuffer(), with GraphicsBuffer.Target.Raw in Mesh.vertexBufferTarget.
     /// Must stay until the buffer is unregistered.
     void *native_buffer;
+    /// The mesh of the example set that it shows: 0 the base mesh, else a number from crumple_example_set_add_lod().
+    uint32_t lod;
     /// Mesh.vertexCount; that of the lod.
     uint32_t vertex_count;
     /// Mesh.GetVertexBufferStride(), bytes.
     uint32_t stride;
     CrumpleUnityAttribute position, normal, tangent;
-    /// Zero.
-    uint32_t reserved;
 } CrumpleUnityBufferDef;
 
 /// What became of a buffer.
 typedef struct {
-    /// sizeof(CrumpleUnityBufferInfo); set it before the call.
-    uint32_t struct_size;
-    /// CrumpleUnityBufferState.
-    int32_t state;
-    /// What went wrong, for CRUMPLE_UNITY_BUFFER_FAILED and _LOST: a CrumpleResult.
-    int32_t result;
-    /// Not 0: the next event will record it.
-    int32_t wanted;
     /// How often it was recorded.
     uint64_t recordings;
     /// A box around its vertices after the last recording, m; may be too large, never too small.
@@ -120,11 +82,9 @@ CRUMPLE_UNITY_API uint32_t crumple_unity_version(void);
 /// What was wrong in the calling thread's last failed call. Never null; valid until the thread's next failed call.
 CRUMPLE_UNITY_API const char *crumple_unity_last_error(void);
 
-/// Whether there is a device, and if not, why not: a text of at most capacity bytes, its zero among them. text may be null.
-CRUMPLE_UNITY_API CrumpleUnityState crumple_unity_state(char *text, uint32_t capacity);
-
-/// Counts the devices so far; 0: there was none. Another number than last time: register buffers anew.
-CRUMPLE_UNITY_API uint32_t crumple_unity_device(void);
+/// The number of Unity's Vulkan device, 1 for the first; buffers belong to one device. 0 if there is none: then `why` gets the
+/// reason, at most capacity bytes with the zero at its end. `why` may be null.
+CRUMPLE_UNITY_API uint32_t crumple_unity_device(char *why, uint32_t capacity);
 
 /// What CommandBuffer.IssuePluginEvent() takes; out_id gets the number of the event. It does nothing where there is nothing to
 /// do: no device, no context, a foreign number. Null and no number before UnityPluginLoad().
@@ -133,12 +93,12 @@ CRUMPLE_UNITY_API CrumpleUnityEvent crumple_unity_event(int32_t *out_id);
 /// How many buffers and contexts wait for an event: to be recorded, or for what earlier frames used. 0: none need be issued.
 CRUMPLE_UNITY_API uint32_t crumple_unity_pending(void);
 
-/// Takes the oldest message about events that could do nothing, and gives its bytes with the zero; 0: there is none.
+/// Takes the message of the last event that could do nothing, at most capacity bytes with the zero. 0: there is none.
 CRUMPLE_UNITY_API uint32_t crumple_unity_take_message(char *text, uint32_t capacity);
 
 /// Makes a context known. From here on it is used under the lock, and destroyed by crumple_unity_destroy_context(); it must not
-/// have a Vulkan device attached. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ARGUMENT (it is known already),
-/// CRUMPLE_ERROR_UNSUPPORTED (no library beside this one), CRUMPLE_ERROR_OUT_OF_MEMORY.
+/// have a Vulkan device attached. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (null, or known already), CRUMPLE_ERROR_UNSUPPORTED (no
+/// device: why), CRUMPLE_ERROR_OUT_OF_MEMORY.
 CRUMPLE_UNITY_API CrumpleResult crumple_unity_add_context(CrumpleContext *context);
 
 /// Unregisters a known context's buffers and destroys it: at once, or, while the device runs frames that it recorded, in the
@@ -153,11 +113,10 @@ CRUMPLE_UNITY_API CrumpleResult crumple_unity_lock(CrumpleContext *context);
 /// Gives it back. Errors: CRUMPLE_ERROR_INVALID_ID, CRUMPLE_ERROR_CONCURRENT_USE (this thread does not hold it).
 CRUMPLE_UNITY_API CrumpleResult crumple_unity_unlock(CrumpleContext *context);
 
-/// Registers a mesh's vertex buffer; it is wanted from the start, and its first recording writes every vertex. What only the
-/// device can tell (usage, size) is looked at by the first event. out_buffer gets a number that is never used again.
-/// Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_STRUCT_SIZE, CRUMPLE_ERROR_INVALID_ID (a context that is not known),
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (no vertices, a stride that does not hold the attributes), CRUMPLE_ERROR_UNSUPPORTED (a format
-/// or an alignment that Crumple does not write, which is named; no device: why), CRUMPLE_ERROR_OUT_OF_MEMORY.
+/// Registers a mesh's vertex buffer; it is wanted from the start, and its first recording writes every vertex. The first event
+/// looks at the rest: usage, size, offsets. out_buffer gets a number that is never used again. Errors: CRUMPLE_ERROR_NULL_POINTER,
+/// CRUMPLE_ERROR_INVALID_ID (a context that is not known), CRUMPLE_ERROR_UNSUPPORTED (a format that Crumple does not write, which
+/// is named; no device: why), CRUMPLE_ERROR_OUT_OF_MEMORY.
 CRUMPLE_UNITY_API CrumpleResult crumple_unity_register_buffer(CrumpleContext *context, const CrumpleUnityBufferDef *def,
                                                               uint64_t *out_buffer);
 
@@ -165,15 +124,13 @@ CRUMPLE_UNITY_API CrumpleResult crumple_unity_register_buffer(CrumpleContext *co
 /// GraphicsBuffer or the mesh goes. Errors: CRUMPLE_ERROR_INVALID_ID.
 CRUMPLE_UNITY_API CrumpleResult crumple_unity_unregister_buffer(uint64_t buffer);
 
-/// The next event brings the buffer up to date. Errors: CRUMPLE_ERROR_INVALID_ID, or the buffer's own where it failed.
+/// The next event brings the buffer up to date. Errors: as crumple_unity_buffer_info().
 CRUMPLE_UNITY_API CrumpleResult crumple_unity_want(uint64_t buffer);
 
-/// Tells what became of a buffer. Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_STRUCT_SIZE, CRUMPLE_ERROR_INVALID_ID.
+/// Tells what became of a buffer. Errors: CRUMPLE_ERROR_INVALID_ID; CRUMPLE_ERROR_DEVICE_LOST (its device is gone: unregister it,
+/// and register the mesh's buffer anew when there is a device again); any other is why it cannot be recorded: unregister it and
+/// take the CPU path.
 CRUMPLE_UNITY_API CrumpleResult crumple_unity_buffer_info(uint64_t buffer, CrumpleUnityBufferInfo *out_info);
-
-/// Why a buffer failed: a text of at most capacity bytes, its zero among them; empty where it did not.
-/// Errors: CRUMPLE_ERROR_NULL_POINTER, CRUMPLE_ERROR_INVALID_ID.
-CRUMPLE_UNITY_API CrumpleResult crumple_unity_buffer_error(uint64_t buffer, char *text, uint32_t capacity);
 
 #ifdef __cplusplus
 }

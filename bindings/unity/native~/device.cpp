@@ -1,47 +1,23 @@
-// The plugin and the Vulkan device come and go.
+// The plugin and the Vulkan device come and go. Unity calls all of this one call at a time, so only it changes the plugin's state
+// and the device, and may look at them without World::mutex.
 #include "world.hpp"
 
-#include <algorithm>
 #include <exception>
 
 namespace crumple_unity {
 
-void start_device() {
-    World &w = world();
-    unity::Graphics *graphics;
-    int event_id;
-    {
-        const std::lock_guard<std::mutex> lock(w.mutex);
-        if (!w.loaded || !w.graphics || !w.library_error.empty()) return;
-        graphics = w.graphics, event_id = w.event_id;
-    }
-    const unity::Renderer renderer = graphics->renderer();
-    auto *vulkan = renderer != unity::Renderer::Vulkan
-                       ? nullptr
-                       : static_cast<unity::GraphicsVulkan *>(
-                             w.interfaces->get_by_numbers(unity::GRAPHICS_VULKAN.high, unity::GRAPHICS_VULKAN.low));
-    unity::VulkanInstance instance{};
-    if (vulkan) instance = vulkan->instance();
-    const bool usable = vulkan && instance.device && instance.get_instance_proc_addr;
-    bool told_twice, another;
-    {
-        const std::lock_guard<std::mutex> lock(w.mutex);
-        w.renderer = renderer;
-        if (renderer == unity::Renderer::Vulkan && !usable) say(w, "the renderer is Vulkan, but Unity gives no Vulkan device to plugins");
-        told_twice = w.device_here && usable && w.instance.device == instance.device;
-        another = w.device_here && !told_twice;
-    }
-    if (told_twice) return;
-    if (another) end_device();
-    if (!usable) return;
-    const unity::EventConfig config{unity::RenderPass::Outside, unity::QueueAccess::None,
-                                    unity::AFTER_PREVIOUS_FRAME | unity::CHANGES_STATE};
-    vulkan->configure_event(event_id, &config);
-    const std::lock_guard<std::mutex> lock(w.mutex);
-    w.vulkan = vulkan;
-    w.instance = instance;
-    w.device_here = true;
-    ++w.device_number;
+World &world() {
+    static World only;
+    return only;
+}
+
+std::string no_device(const World &w) {
+    if (!w.loaded)
+        return "Unity has not loaded crumple_unity as a plugin: tick \"Load on startup\" in its Plugin Inspector and restart";
+    if (!w.library_error.empty()) return w.library_error;
+    if (!w.vulkan)
+        return "Unity has no Vulkan device: vertices are written on the device under Vulkan only, and on the CPU elsewhere";
+    return {};
 }
 
 namespace {
@@ -53,8 +29,6 @@ void wait_idle(const unity::VulkanInstance &instance) {
     if (wait) wait(instance.device);
 }
 
-} // namespace
-
 void end_device() {
     World &w = world();
     const std::lock_guard<std::mutex> no_event(w.event_mutex);
@@ -62,18 +36,16 @@ void end_device() {
     std::vector<std::shared_ptr<Buffer>> buffers;
     {
         const std::lock_guard<std::mutex> lock(w.mutex);
-        if (!w.device_here) return;
+        if (!w.vulkan) return;
         for (const auto &entry : w.contexts) contexts.push_back(entry.second);
         for (const auto &entry : w.buffers) {
+            Buffer &buffer = *entry.second;
             buffers.push_back(entry.second);
-            CrumpleUnityBufferInfo &info = entry.second->info;
-            info.wanted = 0;
-            if (info.state == CRUMPLE_UNITY_BUFFER_FAILED) continue;
-            info.state = CRUMPLE_UNITY_BUFFER_LOST;
-            info.result = CRUMPLE_ERROR_DEVICE_LOST;
-            entry.second->error = "the graphics device that the buffer belonged to is gone: register the mesh's new one";
+            buffer.wanted = false;
+            if (buffer.result != CRUMPLE_OK) continue;
+            buffer.result = CRUMPLE_ERROR_DEVICE_LOST;
+            buffer.error = "the graphics device that the buffer belonged to is gone: register the mesh's new one";
         }
-        w.device_here = false;
         w.vulkan = nullptr;
     }
     wait_idle(w.instance);
@@ -100,6 +72,28 @@ void end_device() {
     }
 }
 
+// Unity may tell of a device twice, and of another one without a word of the end of the first.
+void start_device() {
+    World &w = world();
+    if (!w.library_error.empty()) return;
+    unity::GraphicsVulkan *vulkan = nullptr;
+    if (w.graphics->renderer() == unity::Renderer::Vulkan)
+        vulkan = static_cast<unity::GraphicsVulkan *>(
+            w.interfaces->get_by_numbers(unity::GRAPHICS_VULKAN.high, unity::GRAPHICS_VULKAN.low));
+    unity::VulkanInstance instance{};
+    if (vulkan) instance = vulkan->instance();
+    if (w.vulkan && w.instance.device == instance.device) return;
+    end_device();
+    if (!instance.device || !instance.get_instance_proc_addr) return;
+    const unity::EventConfig config{unity::RenderPass::Outside, unity::QueueAccess::None,
+                                    unity::AFTER_PREVIOUS_FRAME | unity::CHANGES_STATE};
+    vulkan->configure_event(w.event_id, &config);
+    const std::lock_guard<std::mutex> lock(w.mutex);
+    w.vulkan = vulkan;
+    w.instance = instance;
+    ++w.device_number;
+}
+
 void UNITY_CALL on_device_event(unity::DeviceEvent event) {
     try {
         switch (event) {
@@ -113,6 +107,7 @@ void UNITY_CALL on_device_event(unity::DeviceEvent event) {
     }
 }
 
+} // namespace
 } // namespace crumple_unity
 
 using namespace crumple_unity;
@@ -120,15 +115,12 @@ using namespace crumple_unity;
 extern "C" CRUMPLE_UNITY_API void UNITY_CALL UnityPluginLoad(unity::Interfaces *interfaces) {
     try {
         World &w = world();
-        {
-            const std::lock_guard<std::mutex> lock(w.mutex);
-            if (w.loaded) return say(w, "UnityPluginLoad was called twice; the first call holds. Is crumple_unity in the project twice?");
-            if (!interfaces) return say(w, "UnityPluginLoad was called without interfaces");
-        }
-        std::string error = w.library.open();
+        if (w.loaded) return;
         auto *graphics =
             static_cast<unity::Graphics *>(interfaces->get_by_numbers(unity::GRAPHICS.high, unity::GRAPHICS.low));
-        const int event_id = graphics ? graphics->reserve_event_ids(1) : -1;
+        if (!graphics) return;
+        std::string error = w.library.open();
+        const int event_id = graphics->reserve_event_ids(1);
         {
             const std::lock_guard<std::mutex> lock(w.mutex);
             w.library_error = std::move(error);
@@ -137,7 +129,6 @@ extern "C" CRUMPLE_UNITY_API void UNITY_CALL UnityPluginLoad(unity::Interfaces *
             w.event_id = event_id;
             w.loaded = true;
         }
-        if (!graphics) return;
         graphics->add_device_callback(&on_device_event);
         start_device(); // where the device was there before the plugin, no event tells of it
     } catch (const std::exception &) {
@@ -148,20 +139,11 @@ extern "C" CRUMPLE_UNITY_API void UNITY_CALL UnityPluginLoad(unity::Interfaces *
 extern "C" CRUMPLE_UNITY_API void UNITY_CALL UnityPluginUnload() {
     try {
         World &w = world();
-        unity::Graphics *graphics;
-        {
-            const std::lock_guard<std::mutex> lock(w.mutex);
-            if (!w.loaded) return;
-            graphics = w.graphics;
-        }
-        if (graphics) graphics->remove_device_callback(&on_device_event);
+        if (!w.loaded) return;
+        w.graphics->remove_device_callback(&on_device_event);
         end_device();
         const std::lock_guard<std::mutex> lock(w.mutex);
         w.loaded = false;
-        w.graphics = nullptr;
-        w.interfaces = nullptr;
-        w.renderer = unity::Renderer::Null;
-        w.event_id = -1;
     } catch (const std::exception &) {
         // Memory ran out; what is still there ends with the process.
     }

@@ -7,7 +7,7 @@
 namespace crumple_unity {
 namespace {
 
-// Unity draws from the buffer and knows that the shim writes it in a compute shader. Naming both uses on both sides asks nothing
+// Unity draws from the buffer and knows that the plugin writes it in a compute shader. Naming both uses on both sides asks nothing
 // of what Unity keeps in mind between its own barriers.
 constexpr VkPipelineStageFlags STAGES = VK_PIPELINE_STAGE_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
 constexpr VkAccessFlags ACCESS = VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT | VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT;
@@ -36,26 +36,25 @@ struct Event {
 void fail(World &w, Buffer &buffer, CrumpleResult result, std::string why) {
     const std::lock_guard<std::mutex> lock(w.mutex);
     if (result == CRUMPLE_ERROR_CONCURRENT_USE) { // somebody is inside who took no lock: as if he had
-        buffer.info.wanted = 1;
+        buffer.wanted = true;
         return;
     }
-    buffer.info.state = result == CRUMPLE_ERROR_DEVICE_LOST ? CRUMPLE_UNITY_BUFFER_LOST : CRUMPLE_UNITY_BUFFER_FAILED;
-    buffer.info.result = result;
-    buffer.info.wanted = 0;
+    buffer.result = result;
     buffer.error = std::move(why);
+    buffer.wanted = false;
 }
 
 // Takes note of what is there and what is wanted. Answers whether there is anything to do.
 bool Event::gather(World &w, int event_id) {
     const std::lock_guard<std::mutex> lock(w.mutex);
-    if (!w.loaded || !w.device_here || event_id != w.event_id) return false;
+    if (!w.vulkan || event_id != w.event_id) return false;
     vulkan = w.vulkan;
     device = w.device_number;
     wanted.reserve(w.buffers.size()); // what can fail comes first
     for (const auto &entry : w.buffers) {
         Buffer &buffer = *entry.second;
-        if (!buffer.info.wanted || buffer.device != device) continue;
-        buffer.info.wanted = 0; // a hit that comes from here on wants it anew
+        if (!buffer.wanted || buffer.device != device) continue;
+        buffer.wanted = false; // a hit that comes from here on wants it anew
         wanted.push_back(entry.second);
     }
     for (const auto &entry : w.contexts) contexts.push_back(entry.second);
@@ -80,7 +79,7 @@ bool Event::access(World &w) {
         why = "the event came inside a render pass, where nothing can be computed: issue it before the camera draws";
     if (why) {
         const std::lock_guard<std::mutex> lock(w.mutex);
-        say(w, why);
+        w.message = why;
         return false;
     }
     commands = recording.commands;
@@ -110,7 +109,6 @@ bool Event::attach(World &w, Context &context) {
 // Brings a buffer's registration in line with what Unity says that it is. Answers whether it can be recorded.
 bool Event::ready(World &w, Buffer &buffer) {
     const unity::VulkanBuffer &seen = buffer.seen;
-    const uint64_t needed = uint64_t{buffer.def.vertex_count} * buffer.def.stride;
     if (!buffer.found || seen.buffer == VK_NULL_HANDLE) {
         fail(w, buffer, CRUMPLE_ERROR_INVALID_ID,
              "Unity knows no Vulkan buffer by this pointer: take it from Mesh.GetVertexBuffer() after the mesh was uploaded, "
@@ -124,12 +122,6 @@ bool Event::ready(World &w, Buffer &buffer) {
                  "set Mesh.vertexBufferTarget |= GraphicsBuffer.Target.Raw before Mesh.GetVertexBuffer()");
         return false;
     }
-    if (seen.size < needed) {
-        fail(w, buffer, CRUMPLE_ERROR_BUFFER_TOO_SMALL,
-             "the mesh's vertex buffer has " + std::to_string(seen.size) + " bytes, but " + std::to_string(buffer.def.vertex_count) +
-                 " vertices of " + std::to_string(buffer.def.stride) + " bytes need " + std::to_string(needed));
-        return false;
-    }
     const bool same = buffer.vulkan == seen.buffer && buffer.size == seen.size && buffer.usage == seen.usage;
     if (buffer.registered && same) return true;
     if (buffer.registered) w.library.crumple_buffer_unregister(buffer.context->handle, buffer.id);
@@ -141,7 +133,7 @@ bool Event::ready(World &w, Buffer &buffer) {
     def.usage = seen.usage;
     def.before_stages = def.after_stages = STAGES;
     def.before_access = def.after_access = ACCESS;
-    def.size = needed;
+    def.size = uint64_t{buffer.def.vertex_count} * buffer.def.stride;
     def.positions = buffer.layout.position;
     def.normals = buffer.layout.normal;
     def.tangents = buffer.layout.tangent;
@@ -176,7 +168,6 @@ void Event::record(World &w, Context &context) {
         const bool known =
             w.library.crumple_buffer_get_changes(context.handle, buffer->id, nullptr, 0, &ranges, &bounds) == CRUMPLE_OK;
         const std::lock_guard<std::mutex> lock(w.mutex);
-        buffer->info.state = CRUMPLE_UNITY_BUFFER_RECORDED;
         ++buffer->info.recordings;
         if (known) buffer->info.bounds = bounds;
     }
@@ -201,7 +192,7 @@ void Event::run(World &w, Context &context) {
 void Event::want_again(World &w) {
     const std::lock_guard<std::mutex> lock(w.mutex);
     for (const auto &buffer : wanted)
-        if (buffer->info.state <= CRUMPLE_UNITY_BUFFER_RECORDED) buffer->info.wanted = 1; // neither failed nor lost
+        if (buffer->result == CRUMPLE_OK) buffer->wanted = true;
 }
 
 void Event::clear() {
@@ -222,7 +213,7 @@ void run_event(World &w, Event &event) {
         // The main thread is inside, and may be for long: the render thread goes on.
         const std::lock_guard<std::mutex> lock(w.mutex);
         for (const auto &buffer : event.wanted)
-            if (buffer->context == context) buffer->info.wanted = 1;
+            if (buffer->context == context) buffer->wanted = true;
     }
     for (const auto &context : event.dying) {
         if (!context->gate.try_enter()) continue;

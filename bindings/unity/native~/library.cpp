@@ -12,8 +12,6 @@ namespace {
 
 #if defined(_WIN32)
 const char *const FILE_NAME = "crumple.dll";
-#elif defined(__APPLE__)
-const char *const FILE_NAME = "libcrumple.dylib";
 #else
 const char *const FILE_NAME = "libcrumple.so";
 #endif
@@ -66,24 +64,11 @@ std::string Library::open() {
     if (!library)
         return beside + " cannot be loaded (" + why + "): put the library of this package's version and of this machine's kind there";
 
-    // The version first: a library of another version may lack the others.
-    crumple_version = reinterpret_cast<decltype(crumple_version)>(find(library, "crumple_version"));
-    if (!crumple_version) return beside + " is not the library crumple: it has no crumple_version";
-    const uint32_t theirs = crumple_version(), ours = CRUMPLE_VERSION;
-    const uint32_t kind = CRUMPLE_VERSION_MAJOR == 0 ? 1000 : 1000000; // versions that fit are equal above this
-    const bool fits = theirs / kind == ours / kind && theirs >= ours;
-    if (!fits) {
-        const auto text = [](uint32_t v) {
-            return std::to_string(v / 1000000) + "." + std::to_string(v / 1000 % 1000) + "." + std::to_string(v % 1000);
-        };
-        return beside + " is version " + text(theirs) + ", but crumple_unity was made for " + text(ours) + ": take both from one archive";
-    }
 #define CRUMPLE_UNITY_FIND(name)                                                                                                 \
     name = reinterpret_cast<decltype(name)>(find(library, #name));                                                               \
     if (!name) return beside + " has no " #name ": take it and crumple_unity from one archive";
     CRUMPLE_UNITY_FUNCTIONS(CRUMPLE_UNITY_FIND)
 #undef CRUMPLE_UNITY_FIND
-    if (!(crumple_features() & CRUMPLE_FEATURE_VULKAN)) return beside + " was built without Vulkan: take the archive's full library";
     return {};
 }
 

@@ -1,9 +1,9 @@
-// What of Unity's plugin interface the shim calls, as far as a program in C++ must know it: an independent declaration.
+// What of Unity's plugin interface the plugin calls, as far as a program in C++ must know it: an independent declaration.
 //
 // Unity's own headers (IUnityInterface.h, IUnityGraphics.h, IUnityGraphicsVulkan.h) carry Unity's licence and are not here. This
 // file was written from public facts about their binary interface: which functions stand at which place of a table, what they
 // take, which members structs have and in which order, the numbers of enumerators and interfaces. Names are ours. Members that
-// the shim does not use are `Unused`. The asserts hold the sizes and places down on 64-bit machines, the only ones that the
+// the plugin does not use are `Unused`. The asserts hold the sizes and places down on 64-bit machines, the only ones that the
 // package is for.
 #ifndef CRUMPLE_UNITY_ABI_H
 #define CRUMPLE_UNITY_ABI_H
@@ -39,7 +39,7 @@ struct Interfaces {
 
 constexpr Id GRAPHICS{0x7CBA0A9CA4DDB544, 0x8C5AD4926EB17B11};
 
-enum class Renderer : int { D3D11 = 2, Null = 4, OpenGlEs3 = 11, Metal = 16, OpenGlCore = 17, D3D12 = 18, Vulkan = 21 };
+enum class Renderer : int { Vulkan = 21 };
 
 enum class DeviceEvent : int { Initialize = 0, Shutdown = 1, BeforeReset = 2, AfterReset = 3 };
 
@@ -54,7 +54,7 @@ struct Graphics {
     int(UNITY_CALL *reserve_event_ids)(int count); // the first of them
 };
 
-// --- Vulkan. The table that every version with Vulkan hands out; a later one adds functions that the shim has no use for.
+// --- Vulkan. The table that every version with Vulkan hands out; a later one adds functions that the plugin has no use for.
 
 constexpr Id GRAPHICS_VULKAN{0x95355348D4EF4E11, 0x9789313DFCFFCC87};
 

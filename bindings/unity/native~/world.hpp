@@ -1,4 +1,4 @@
-// What the shim knows: the device, contexts, buffers, and who may touch which of them.
+// What the plugin knows: the device, contexts, buffers, and who may touch which of them.
 //
 // Two kinds of locks. World::mutex guards the tables and is held for a few instructions, never across a call of Unity's or
 // Crumple's. A context's gate is held by whoever is inside that context: the main thread between crumple_unity_lock() and unlock,
@@ -7,13 +7,10 @@
 #define CRUMPLE_UNITY_WORLD_HPP
 
 #include "crumple_unity.h"
-#include "layout.hpp"
 #include "library.hpp"
 #include "unity_abi.h"
 
 #include <atomic>
-#include <condition_variable>
-#include <deque>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -23,16 +20,35 @@
 
 namespace crumple_unity {
 
+// A mutex that knows who is inside.
 class Gate {
   public:
-    bool enter();     // waits; false: this thread is inside already
-    bool try_enter(); // false: somebody is inside, perhaps this thread
-    bool leave();     // false: this thread is not inside
+    // Waits; false: this thread is inside already.
+    bool enter() {
+        if (inside_ == std::this_thread::get_id()) return false;
+        mutex_.lock();
+        inside_ = std::this_thread::get_id();
+        return true;
+    }
+
+    // False: somebody is inside, perhaps this thread.
+    bool try_enter() {
+        if (inside_ == std::this_thread::get_id() || !mutex_.try_lock()) return false;
+        inside_ = std::this_thread::get_id();
+        return true;
+    }
+
+    // False: this thread is not inside.
+    bool leave() {
+        if (inside_ != std::this_thread::get_id()) return false;
+        inside_ = std::thread::id{};
+        mutex_.unlock();
+        return true;
+    }
 
   private:
     std::mutex mutex_;
-    std::condition_variable free_;
-    std::thread::id inside_{};
+    std::atomic<std::thread::id> inside_{};
 };
 
 // Leaves a gate whatever happens.
@@ -43,6 +59,14 @@ struct Inside {
         if (entered) gate.leave();
     }
 };
+
+// A vertex layout of Unity's as Crumple's streams.
+struct Layout {
+    CrumpleVulkanStream position{}, normal{}, tangent{};
+};
+
+// Fills `out`, or tells which attribute Crumple does not write, and what it does; empty: all is well.
+std::string layout_of(const CrumpleUnityBufferDef &def, Layout &out);
 
 struct Context {
     CrumpleContext *handle = nullptr;
@@ -62,8 +86,9 @@ struct Buffer {
 
     // Guarded by World::mutex.
     CrumpleUnityBufferInfo info{};
+    CrumpleResult result = CRUMPLE_OK; // otherwise no event records it any more
     std::string error;
-    bool gone = false;
+    bool wanted = true, gone = false;
 
     // Belongs to whoever is inside the context's gate.
     bool registered = false;
@@ -86,15 +111,13 @@ struct World {
     unity::Graphics *graphics = nullptr;
     unity::GraphicsVulkan *vulkan = nullptr; // null: no Vulkan device
     unity::VulkanInstance instance{};
-    unity::Renderer renderer = unity::Renderer::Null;
     int event_id = -1;
     uint32_t device_number = 0; // counts devices
-    bool device_here = false;
     std::map<CrumpleContext *, std::shared_ptr<Context>> contexts;
     std::vector<std::shared_ptr<Context>> dying; // destroyed for the caller, with frames that the device may be running
     std::map<uint64_t, std::shared_ptr<Buffer>> buffers;
     uint64_t last_buffer = 0;
-    std::deque<std::string> messages; // the newest few
+    std::string message; // of the last event that could do nothing
 
     // Held by an event, and by the end of a device, so that neither comes into the other.
     std::mutex event_mutex;
@@ -102,15 +125,9 @@ struct World {
 
 World &world();
 
-// Why there is no device; with World::mutex held.
-CrumpleUnityState state_of(const World &w, std::string &why);
+// Why there is no device, empty if there is one; with World::mutex held.
+std::string no_device(const World &w);
 
-// Keeps a message for crumple_unity_take_message(), unless it was the last one; with World::mutex held.
-void say(World &w, std::string text);
-
-void start_device();
-void end_device();
-void UNITY_CALL on_device_event(unity::DeviceEvent event);
 void UNITY_CALL on_render_event(int event_id);
 
 } // namespace crumple_unity

@@ -228,10 +228,10 @@ namespace Crumple
         }
 
         // Bounds and failures come from the render thread a frame or more later; a device may be another one by now.
-        private void FollowDevice()
+        private unsafe void FollowDevice()
         {
-            uint device = UnityPlugin.crumple_unity_device();
-            if (gpu.Device != device)
+            uint device = UnityPlugin.crumple_unity_device(null, 0);
+            if (device != 0 && gpu.Device != device)
             {
                 gpu.Dispose();
                 gpu = null;

@@ -103,8 +103,8 @@ namespace Crumple
         /// <summary>The device's number where the native plugin can write on one; 0 and why otherwise.</summary>
         internal static uint Device(out string why)
         {
-            if (!UnityPlugin.IsReady(out why)) return 0;
-            if (shared == IntPtr.Zero)
+            uint device = UnityPlugin.Device(out why);
+            if (device != 0 && shared == IntPtr.Zero)
             {
                 IntPtr pointer = Context.Pointer;
                 CrumpleResult result = UnityPlugin.crumple_unity_add_context(pointer);
@@ -115,7 +115,7 @@ namespace Crumple
                 }
                 shared = pointer;
             }
-            return UnityPlugin.crumple_unity_device();
+            return device;
         }
 
         /// <summary>The set of an asset as <paramref name="shown"/> shows it; null: as its own mesh. Loaded once for all that
@@ -230,8 +230,8 @@ namespace Crumple
                 commands.IssuePluginEvent(callback, id);
             }
             Graphics.ExecuteCommandBuffer(commands);
-            string message;
-            while ((message = UnityPlugin.TakeMessage()) != null) Debug.LogWarning("Crumple: " + message);
+            string message = UnityPlugin.TakeMessage();
+            if (message != null) SayOnce(true, message, null);
         }
     }
 }

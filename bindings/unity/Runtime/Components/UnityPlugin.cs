@@ -1,6 +1,5 @@
 using System;
 using System.Runtime.InteropServices;
-using System.Text;
 
 namespace Crumple
 {
@@ -9,23 +8,6 @@ namespace Crumple
     internal static unsafe class UnityPlugin
     {
         private const string Library = "crumple_unity";
-
-        internal enum State
-        {
-            Ready = 0,
-            NotLoaded = 1,
-            NoLibrary = 2,
-            OtherRenderer = 3,
-            NoDevice = 4,
-        }
-
-        internal enum BufferState
-        {
-            New = 0,
-            Recorded = 1,
-            Failed = 2,
-            Lost = 3,
-        }
 
         /// <summary>CrumpleUnityAttribute.</summary>
         [StructLayout(LayoutKind.Sequential)]
@@ -38,30 +20,23 @@ namespace Crumple
         [StructLayout(LayoutKind.Sequential)]
         internal struct BufferDef
         {
-            internal uint StructSize, Lod;
             internal CrumpleInstance Instance;
             internal IntPtr NativeBuffer;
-            internal uint VertexCount, Stride;
+            internal uint Lod, VertexCount, Stride;
             internal Attribute Position, Normal, Tangent;
-            internal uint Reserved;
         }
 
         /// <summary>CrumpleUnityBufferInfo.</summary>
         [StructLayout(LayoutKind.Sequential)]
         internal struct BufferInfo
         {
-            internal uint StructSize;
-            internal BufferState State;
-            internal CrumpleResult Result;
-            internal int Wanted;
             internal ulong Recordings;
             internal CrumpleAabb Bounds;
         }
 
-        [DllImport(Library)] internal static extern uint crumple_unity_version();
+        [DllImport(Library)] private static extern uint crumple_unity_version();
         [DllImport(Library)] private static extern IntPtr crumple_unity_last_error();
-        [DllImport(Library)] private static extern State crumple_unity_state(byte* text, uint capacity);
-        [DllImport(Library)] internal static extern uint crumple_unity_device();
+        [DllImport(Library)] internal static extern uint crumple_unity_device(byte* why, uint capacity);
         [DllImport(Library)] internal static extern IntPtr crumple_unity_event(out int id);
         [DllImport(Library)] internal static extern uint crumple_unity_pending();
         [DllImport(Library)] private static extern uint crumple_unity_take_message(byte* text, uint capacity);
@@ -72,14 +47,13 @@ namespace Crumple
         [DllImport(Library)] internal static extern CrumpleResult crumple_unity_register_buffer(IntPtr context, ref BufferDef def, out ulong buffer);
         [DllImport(Library)] internal static extern CrumpleResult crumple_unity_unregister_buffer(ulong buffer);
         [DllImport(Library)] internal static extern CrumpleResult crumple_unity_want(ulong buffer);
-        [DllImport(Library)] internal static extern CrumpleResult crumple_unity_buffer_info(ulong buffer, ref BufferInfo info);
-        [DllImport(Library)] private static extern CrumpleResult crumple_unity_buffer_error(ulong buffer, byte* text, uint capacity);
+        [DllImport(Library)] internal static extern CrumpleResult crumple_unity_buffer_info(ulong buffer, out BufferInfo info);
 
         private const int TextSize = 1024;
 
-        /// <summary>Whether buffers can be written on the device; why not otherwise. A missing plugin is an answer, no
+        /// <summary>The number of the device that buffers can be written on; 0 and why not otherwise. A missing plugin is an answer, no
         /// exception.</summary>
-        internal static bool IsReady(out string why)
+        internal static uint Device(out string why)
         {
             try
             {
@@ -88,52 +62,31 @@ namespace Crumple
                 {
                     why = "the native plugin crumple_unity is of version " + version + ", the C# files of " + Native.NativeMethods.Version +
                         ": take both from one package";
-                    return false;
+                    return 0;
                 }
                 byte* text = stackalloc byte[TextSize];
                 text[0] = 0;
-                State state = crumple_unity_state(text, TextSize);
-                why = Text(text);
-                return state == State.Ready;
+                uint device = crumple_unity_device(text, TextSize);
+                why = Utf8.Text((IntPtr)text);
+                return device;
             }
-            catch (DllNotFoundException error)
+            catch (Exception error) when (error is DllNotFoundException || error is EntryPointNotFoundException || error is BadImageFormatException)
             {
-                why = "there is no native plugin crumple_unity beside the library crumple (" + error.Message + ")";
+                why = "there is no native plugin crumple_unity of this package beside the library crumple (" + error.Message + ")";
             }
-            catch (EntryPointNotFoundException error)
-            {
-                why = "the native plugin crumple_unity is another version's (" + error.Message + "): take the package as a whole";
-            }
-            catch (BadImageFormatException error)
-            {
-                why = "the native plugin crumple_unity is made for another processor or system (" + error.Message + ")";
-            }
-            return false;
+            return 0;
         }
 
         internal static string LastError()
         {
-            return Text((byte*)crumple_unity_last_error());
+            return Utf8.Text(crumple_unity_last_error());
         }
 
-        internal static string BufferError(ulong buffer)
-        {
-            byte* text = stackalloc byte[TextSize];
-            return crumple_unity_buffer_error(buffer, text, TextSize) == CrumpleResult.Ok ? Text(text) : LastError();
-        }
-
-        /// <summary>The oldest message about events that could do nothing; null: there is none.</summary>
+        /// <summary>The message of the last event that could do nothing; null: there is none.</summary>
         internal static string TakeMessage()
         {
             byte* text = stackalloc byte[TextSize];
-            return crumple_unity_take_message(text, TextSize) == 0 ? null : Text(text);
-        }
-
-        private static string Text(byte* text)
-        {
-            int length = 0;
-            while (text[length] != 0) length++;
-            return Encoding.UTF8.GetString(text, length);
+            return crumple_unity_take_message(text, TextSize) == 0 ? null : Utf8.Text((IntPtr)text);
         }
     }
 }

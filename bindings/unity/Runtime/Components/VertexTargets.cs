@@ -87,8 +87,7 @@ namespace Crumple
         private readonly Mesh mesh;
         private GraphicsBuffer graphics;
         private ulong buffer;
-        private ulong seen;
-        private UnityPlugin.BufferInfo info;
+        private ulong seen; // recordings
 
         /// <summary>The device that it was made for.</summary>
         internal readonly uint Device;
@@ -104,7 +103,6 @@ namespace Crumple
             mesh.vertexBufferTarget |= GraphicsBuffer.Target.Raw;
             graphics = mesh.GetVertexBuffer(layout.Stream);
             UnityPlugin.BufferDef def = default(UnityPlugin.BufferDef);
-            def.StructSize = (uint)System.Runtime.InteropServices.Marshal.SizeOf(typeof(UnityPlugin.BufferDef));
             def.Lod = (uint)lod;
             def.Instance = instance.Id;
             def.NativeBuffer = graphics.GetNativeBufferPtr(); // waits for the render thread
@@ -113,7 +111,6 @@ namespace Crumple
             def.Position = layout.Position;
             def.Normal = layout.Normal;
             def.Tangent = layout.Tangent;
-            info.StructSize = (uint)System.Runtime.InteropServices.Marshal.SizeOf(typeof(UnityPlugin.BufferInfo));
             if (UnityPlugin.crumple_unity_register_buffer(instance.Context.Pointer, ref def, out buffer) == CrumpleResult.Ok) return;
             Failure = UnityPlugin.LastError();
             graphics.Dispose();
@@ -132,10 +129,11 @@ namespace Crumple
         /// <summary>Learns what became of it: new bounds, or a failure.</summary>
         internal void Look()
         {
-            if (Failure != null || UnityPlugin.crumple_unity_buffer_info(buffer, ref info) != CrumpleResult.Ok) return;
-            if (info.State == UnityPlugin.BufferState.Failed) Failure = UnityPlugin.BufferError(buffer);
-            Lost = info.State == UnityPlugin.BufferState.Lost;
-            if (info.State != UnityPlugin.BufferState.Recorded || info.Recordings == seen) return;
+            UnityPlugin.BufferInfo info;
+            CrumpleResult result = UnityPlugin.crumple_unity_buffer_info(buffer, out info);
+            Lost = result == CrumpleResult.ErrorDeviceLost;
+            if (result != CrumpleResult.Ok && !Lost) Failure = UnityPlugin.LastError();
+            if (result != CrumpleResult.Ok || info.Recordings == seen) return;
             seen = info.Recordings;
             mesh.bounds = MeshLayout.ToBounds(info.Bounds);
         }
