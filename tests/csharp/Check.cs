@@ -58,7 +58,7 @@ static class Check
     {
         Crumple.CrumpleException error = Throws<Crumple.CrumpleException>(action, part);
         Same(result, error.Result, error.Message);
-        That(error.NativeMessage.StartsWith(error.Call + ": ", StringComparison.Ordinal), error.NativeMessage + " begins with " + error.Call);
+        That(error.Message.StartsWith("crumple_", StringComparison.Ordinal), error.Message + " names the function");
     }
 
     /// <summary>Runs the tests in order; the exit status of the program.</summary>

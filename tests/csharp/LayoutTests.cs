@@ -45,9 +45,8 @@ static class LayoutTests
             foreach (FieldInfo field in type.GetFields(BindingFlags.Instance | BindingFlags.Public | BindingFlags.NonPublic))
                 Check.That(seen.Contains(type.Name + "." + field.Name), "C has " + type.Name + "." + field.Name);
         }
-        Check.That(seen.Contains("CrumpleVulkanBufferDef") && seen.Contains("CrumpleMark.Reserved"), "the table is whole");
+        Check.That(seen.Contains("CrumpleContactHit") && seen.Contains("CrumpleMark.Reserved"), "the table is whole");
     }
-
 
     static int Twice(Type type)
     {
@@ -80,17 +79,15 @@ static class LayoutTests
             Check.Same((uint)Marshal.SizeOf(def), (uint)size.GetValue(def), method.Name);
             defs++;
         }
-        Check.That(defs >= 15, defs + " defs");
+        Check.That(defs >= 12, defs + " defs");
         CrumpleInstanceDef instance = CrumpleInstanceDef.Default;
         Check.Same(64u, instance.MarkCapacity, "mark capacity");
         for (int i = 0; i < 16; i++) Check.Same(i % 5 == 0 ? 1f : 0f, instance.LocalToWorld[i], "identity");
-        Check.Same(uint.MaxValue, CrumpleVulkanAttachDef.Default.QueueFamily, "queue family");
-        CrumpleExampleSetOptions options = CrumpleExampleSetOptions.Default;
+        CrumpleExampleSetOptions options = CrumpleExampleSetDef.Default.Options;
         Check.That(options.Mirror && options.HeldRims, "bools of options");
-        Check.Same(-1L, CrumpleVulkanImportDef.Default.Handle, "handle");
     }
 
-    /// <summary>The functions are there: all that are declared can be called.</summary>
+    /// <summary>All functions that are declared can be called.</summary>
     public static void EveryFunctionIsExported()
     {
         foreach (MethodInfo method in typeof(NativeMethods).GetMethods(BindingFlags.Static | BindingFlags.Public))

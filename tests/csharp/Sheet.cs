@@ -47,11 +47,6 @@ static class Sheet
         return def;
     }
 
-    public static CrumpleContext Context(int threads = 2)
-    {
-        return new CrumpleContext(new ContextOptions { Threads = threads });
-    }
-
     /// <summary>A hit from above that asks for so many metres.</summary>
     public static CrumpleHitDef Hit(float x, float y, float depth)
     {

@@ -17,7 +17,7 @@ static class ThreadTests
     /// <summary>Damage of every body after all hits, in an order that the threads and the shuffle decide.</summary>
     static byte[][] Scene(int threads, bool deform, int seed)
     {
-        using (CrumpleContext context = Sheet.Context())
+        using (CrumpleContext context = new CrumpleContext(2))
         {
             ExampleSet set = context.CreateExampleSet(Sheet.Def());
             CrumpleInstanceDef def = CrumpleInstanceDef.Default;
@@ -88,28 +88,24 @@ static class ThreadTests
         }
     }
 
-    /// <summary>While a deform is held up, everybody else is told so, but hits are taken.</summary>
+    /// <summary>While a call is held up, everybody else is told so, but hits are taken.</summary>
     public static void TwoInside()
     {
         using (ManualResetEventSlim inside = new ManualResetEventSlim(), leave = new ManualResetEventSlim())
         {
             bool hold = false;
-            CrumpleContext context = new CrumpleContext(new ContextOptions
+            CrumpleContext context = new CrumpleContext(2, (level, message) =>
             {
-                TaskWorkers = 4,
-                Tasks = tasks =>
-                {
-                    for (int i = 0; i < tasks.Count; i++) tasks.Run(i);
-                    if (!hold) return;
-                    inside.Set();
-                    leave.Wait();
-                },
+                if (!hold) return;
+                hold = false;
+                inside.Set();
+                leave.Wait();
             });
             Instance body = context.CreateInstance(context.CreateExampleSet(Sheet.Def()));
             HostBuffer buffer = body.RegisterHostBuffer(StridedArray.Of(new CrumpleVec3[Sheet.Vertices]));
             hold = true;
             List<Exception> errors = new List<Exception>();
-            Thread deformer = Start(errors, () => context.Deform());
+            Thread loader = Start(errors, () => context.CreateExampleSet(Sheet.Def()));
             inside.Wait();
             Check.Fails(CrumpleResult.ErrorConcurrentUse, "another thread", () => context.Deform());
             Check.Fails(CrumpleResult.ErrorConcurrentUse, "another thread", () => body.GetInfo());
@@ -118,12 +114,35 @@ static class ThreadTests
             Check.Fails(CrumpleResult.ErrorConcurrentUse, "another thread", () => buffer.Dispose());
             body.Submit(Hit(1)); // which is allowed
             leave.Set();
-            deformer.Join();
-            Check.Same(0, errors.Count, "errors of the deform");
-            Check.Same(1, body.MarkCount, "marks");
-            hold = false;
+            loader.Join();
+            Check.Same(0, errors.Count, "errors of the other thread");
+            Check.Same(1u, body.GetInfo().MarkCount, "marks");
             context.Dispose();
-            Check.Same(null, context.LastCallbackException, "exceptions in the handler");
+            Check.Same(null, context.LastLogException, "exceptions in the handler");
+        }
+    }
+
+    /// <summary>Messages arrive on the caller's thread. What a handler throws stays in it, and can be asked for; the call goes on.</summary>
+    public static void Log()
+    {
+        List<string> said = new List<string>();
+        int thread = Thread.CurrentThread.ManagedThreadId;
+        CrumpleContext context = null;
+        using (context = new CrumpleContext(2, (level, message) =>
+        {
+            Check.Same(thread, Thread.CurrentThread.ManagedThreadId, "thread");
+            said.Add(level + ": " + message);
+            // It is not allowed in: that is an exception too, and not a deadlock.
+            Check.Fails(CrumpleResult.ErrorConcurrentUse, "callback", () => context.Deform());
+            throw new InvalidOperationException("thrown by a log handler");
+        }))
+        {
+            ExampleSetDef def = Sheet.Def();
+            def.Examples.Add(new ExampleDef { Name = "nothing ü", TargetPositions = StridedArray.Of(Sheet.Points()) });
+            GC.Collect(); // moves what it can; the callback is still found
+            context.CreateExampleSet(def);
+            Check.That(said.Any(line => line == "Warning: example 'nothing ü' moves no vertex"), string.Join("; ", said));
+            Check.Same("thrown by a log handler", context.LastLogException.Message, "kept");
         }
     }
 }

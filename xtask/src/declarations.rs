@@ -23,11 +23,16 @@ pub const HEADERS: &[&str] = &[
 
 /// The headers of a folder as one text.
 pub fn read(include: &Path) -> Result<String> {
+    read_these(include, HEADERS)
+}
+
+/// Some of the headers, each after those that it includes.
+pub fn read_these(include: &Path, names: &[&str]) -> Result<String> {
     let text = |name: &&str| {
         let file = include.join(name);
         fs::read_to_string(&file).with_context(|| format!("reading {}", file.display()))
     };
-    Ok(joined(&HEADERS.iter().map(text).collect::<Result<Vec<_>>>()?))
+    Ok(joined(&names.iter().map(text).collect::<Result<Vec<_>>>()?))
 }
 
 /// Headers, each after those that it includes, as one text.

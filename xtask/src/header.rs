@@ -128,7 +128,10 @@ const PARTS: &[Part] = &[
 pub fn run(workspace: &Workspace, check: bool) -> Result<()> {
     let headers = generate(workspace)?;
     let joined = declarations::joined(&headers);
-    let (types, functions) = csharp::declarations(&joined)?;
+    let in_csharp = |name: &str| csharp::HEADERS.contains(&name);
+    let of_csharp: Vec<_> =
+        HEADERS.iter().zip(&headers).filter(|(name, _)| in_csharp(name)).map(|(_, text)| text.clone()).collect();
+    let (types, functions) = csharp::declarations(&declarations::joined(&of_csharp))?;
     let python = python::declarations(&joined)?;
     let mut files: Vec<_> = HEADERS.iter().map(|name| format!("{INCLUDE}/{name}")).zip(headers).collect();
     for (name, text) in [(csharp::TYPES, types), (csharp::FUNCTIONS, functions), (python::DECLARATIONS, python)] {

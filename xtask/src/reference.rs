@@ -12,7 +12,7 @@ pub const PAGE: &str = "docs/reference.md";
 const OPENING: &str = "# The C interface
 
 Every function and type of the [headers](../include), in their order. [quickstart.c](../examples-c/quickstart.c) is a whole program.
-[crumple.hpp](../include/crumple.hpp) has the same for C++17, and [bindings/unity/Runtime](../bindings/unity/Runtime) for C#.
+[crumple.hpp](../include/crumple.hpp) has the same for C++17, and [bindings/unity/Runtime](../bindings/unity/Runtime) for C#, on the CPU.
 ";
 
 pub fn page(include: &Path) -> Result<String> {

@@ -80,7 +80,7 @@ const STAGES: &[Stage] = &[
         name: "csharp",
         shows: "the C# layer works under Mono and rejects libraries that do not fit",
         needs: &[Tool::CCompiler, Tool::Mono],
-        wants: &[Tool::Vulkan, Tool::VulkanHeaders],
+        wants: &[],
         leaves: &[],
         run: csharp::run,
     },

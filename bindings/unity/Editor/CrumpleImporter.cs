@@ -25,10 +25,10 @@ namespace Crumple.Editor
         {
             try
             {
-                byte[] bytes = File.ReadAllBytes(import.assetPath);
+                string path = import.assetPath;
                 CrumpleSet set = ScriptableObject.CreateInstance<CrumpleSet>();
-                set.name = Path.GetFileNameWithoutExtension(import.assetPath);
-                set.SetBytes(import.assetPath.EndsWith(".glb", System.StringComparison.OrdinalIgnoreCase) ? Bake(bytes, import.assetPath) : bytes);
+                set.name = Path.GetFileNameWithoutExtension(path);
+                set.SetBytes(path.EndsWith(".glb", System.StringComparison.OrdinalIgnoreCase) ? Bake(path) : File.ReadAllBytes(path));
                 Mesh mesh = set.CreateMesh();
                 import.AddObjectToAsset("set", set);
                 import.AddObjectToAsset("mesh", mesh);
@@ -44,13 +44,13 @@ namespace Crumple.Editor
             }
         }
 
-        private byte[] Bake(byte[] bytes, string path)
+        private byte[] Bake(string path)
         {
-            CrumpleExampleSetOptions options = CrumpleExampleSetOptions.Default;
+            CrumpleExampleSetOptions options = CrumpleGltfDef.Default.Options;
             options.VertexMass = vertexMass;
             options.BakeTolerance = tolerance;
             using (CrumpleContext context = new CrumpleContext())
-            using (ExampleSet set = context.LoadGltf(bytes, Path.GetDirectoryName(path), meshName.Length == 0 ? null : meshName, -1, options))
+            using (ExampleSet set = context.LoadGltf(path, meshName.Length == 0 ? null : meshName, options))
                 return set.Save();
         }
     }

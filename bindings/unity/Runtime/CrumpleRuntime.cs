@@ -1,12 +1,11 @@
 using System;
 using System.Collections.Generic;
+using System.Runtime.InteropServices;
 using Crumple.Native;
 
 namespace Crumple
 {
-    /// <summary>
-    /// The native library as a whole: whether it fits, its version, and the end of everything made by this application domain.
-    /// </summary>
+    /// <summary>The native library as a whole: whether it fits, and the end of everything made by this application domain.</summary>
     public static class CrumpleRuntime
     {
         private static readonly object Lock = new object();
@@ -22,28 +21,40 @@ namespace Crumple
         public static void EnsureLoaded()
         {
             if (loaded) return;
-            LibraryCheck.Run();
+            string wanted = "Crumple " + Text(NativeMethods.Version);
+            uint found;
+            try
+            {
+                found = NativeMethods.crumple_version();
+            }
+            catch (EntryPointNotFoundException error)
+            {
+                throw new CrumpleLibraryException("the native library " + NativeMethods.Library + " has no function crumple_version, so it " +
+                    "is not " + wanted + ". Put that file in its place", error);
+            }
+            catch (Exception error) when (error is DllNotFoundException || error is BadImageFormatException)
+            {
+                throw new CrumpleLibraryException("the native library " + NativeMethods.Library + " was not loaded: it is missing, or is for " +
+                    "another system or processor. Put " + wanted + " for " + RuntimeInformation.ProcessArchitecture +
+                    " beside the program or where the system's loader searches, in Unity into Plugins of the package", error);
+            }
+            // A later library of the same minor version fits, from 1.0 on one of the same major version.
+            uint kind = NativeMethods.VersionMajor == 0 ? 1000u : 1000000u;
+            if (found / kind != NativeMethods.Version / kind || found < NativeMethods.Version)
+                throw new CrumpleLibraryException("the native library " + NativeMethods.Library + " is Crumple " + Text(found) +
+                    ", but these C# files are of " + wanted + ". Take both from one package, and restart the program");
             loaded = true;
         }
 
-        /// <summary>The version of the native library, such as "0.2.0".</summary>
-        public static string Version
+        internal static T Loaded<T>(Func<T> call)
         {
-            get
-            {
-                EnsureLoaded();
-                return Utf8.Text(NativeMethods.crumple_version_string());
-            }
+            EnsureLoaded();
+            return call();
         }
 
-        /// <summary>What this build of the native library can do.</summary>
-        public static CrumpleFeatures Features
+        private static string Text(uint version)
         {
-            get
-            {
-                EnsureLoaded();
-                return (CrumpleFeatures)NativeMethods.crumple_features();
-            }
+            return version / 1000000 + "." + version / 1000 % 1000 + "." + version % 1000;
         }
 
         /// <summary>
@@ -56,11 +67,6 @@ namespace Crumple
         /// <returns>How many contexts were left behind.</returns>
         public static int Shutdown()
         {
-            return Shutdown(false);
-        }
-
-        private static int Shutdown(bool exiting)
-        {
             WeakReference[] contexts;
             lock (Lock)
             {
@@ -71,7 +77,7 @@ namespace Crumple
             foreach (WeakReference context in contexts)
             {
                 ContextHandle handle = context.Target as ContextHandle;
-                if (handle != null && !handle.ShutDown(exiting)) left++;
+                if (handle != null && !handle.ShutDown()) left++;
             }
             return left;
         }
@@ -86,9 +92,9 @@ namespace Crumple
                 if (hooked) return;
                 hooked = true;
                 if (AppDomain.CurrentDomain.IsDefaultAppDomain())
-                    AppDomain.CurrentDomain.ProcessExit += (sender, arguments) => Shutdown(true);
+                    AppDomain.CurrentDomain.ProcessExit += (sender, arguments) => Shutdown();
                 else
-                    AppDomain.CurrentDomain.DomainUnload += (sender, arguments) => Shutdown(false);
+                    AppDomain.CurrentDomain.DomainUnload += (sender, arguments) => Shutdown();
             }
         }
     }

@@ -20,7 +20,6 @@ namespace Crumple
         {
             if (offset < 0 || offset > size)
                 throw new ArgumentOutOfRangeException("offset", offset, "the array has " + size + " bytes");
-            if (stride < 0) throw new ArgumentOutOfRangeException("stride", stride, "a stride is above 0");
             Array = array;
             Address = address;
             Size = size;
@@ -29,12 +28,12 @@ namespace Crumple
         }
 
         /// <summary>Whether nothing was given.</summary>
-        public bool IsAbsent
+        internal bool IsAbsent
         {
             get { return Array == null && Address == IntPtr.Zero; }
         }
 
-        /// <summary>One element of the array a vertex or index: vectors, uint or ushort indices.</summary>
+        /// <summary>One element of the array a vertex or index: vectors, indices.</summary>
         public static StridedArray Of<T>(T[] array) where T : struct
         {
             return Of(array, 0, ElementSize<T>());
@@ -47,7 +46,6 @@ namespace Crumple
         /// <exception cref="ArgumentException">The elements hold references, or are bool or char.</exception>
         public static StridedArray Of<T>(T[] array, int offset, int stride) where T : struct
         {
-            if (array == null) throw new ArgumentNullException("array");
             return new StridedArray(array, IntPtr.Zero, (long)array.Length * ElementSize<T>(), offset, stride);
         }
 

@@ -1,4 +1,4 @@
-//! The C# declarations of everything in the headers of `include`: blittable structs, enums, delegates and P/Invoke functions.
+//! The C# declarations of what headers declare: blittable structs, enums, delegates and P/Invoke functions.
 //! csbindgen does not serve: it reads the Rust sources and cannot translate the callbacks and the `MaybeUninit` fields of defs there.
 
 use std::fmt::Write;
@@ -8,14 +8,14 @@ use anyhow::{Context, Result, bail};
 use crate::declarations::{Form, Item, Type, Variable, Variant};
 
 const HEAD: &str = "\
-// Generated from the headers in include by `cargo xtask header`; do not edit it. They document what is declared here.
+// Generated from the headers in include by `cargo xtask header`; do not edit it. They document what is declared here. C# lays out
+// structs as C does; tests compare them with a C compiler's.
 #pragma warning disable 1591
 
 using System;
 using System.Runtime.InteropServices;
-
 ";
-const METHODS: &str = "\
+const METHODS: &str = "
 namespace Crumple.Native
 {
     /// <summary>
@@ -25,11 +25,7 @@ namespace Crumple.Native
     public static unsafe class NativeMethods
     {
         // The file name without the prefix and suffix that systems add.
-#if (UNITY_IOS || UNITY_TVOS || UNITY_VISIONOS) && !UNITY_EDITOR
-        public const string Library = \"__Internal\";
-#else
         public const string Library = \"crumple\";
-#endif
 ";
 const KEYWORDS: &[&str] = &["base", "event", "fixed", "in", "lock", "object", "out", "params", "ref", "string"];
 /// Columns of a line.
@@ -117,8 +113,9 @@ impl Writer<'_> {
     }
 
     fn types(&self) -> Result<String> {
-        let mut text =
-            format!("{HEAD}namespace Crumple\n{{\n    [Flags]\n    public enum CrumpleFeatures : ulong\n    {{\n");
+        let mut text = format!(
+            "{HEAD}using Crumple.Native;\n\nnamespace Crumple\n{{\n    [Flags]\n    public enum CrumpleFeatures : ulong\n    {{\n"
+        );
         for Item { name, form, .. } in self.items {
             if let (Form::Define { value }, Some(feature)) = (form, name.strip_prefix("CRUMPLE_FEATURE_")) {
                 writeln!(text, "        {} = {value},", pascal(feature))?;
@@ -152,10 +149,6 @@ impl Writer<'_> {
         let primitive = |kind: &Type| kind.pointers == 0 && self.form(&kind.base).is_none() && kind.base != "bool";
         let has_fixed = fields.iter().any(|field| field.kind.array.is_some() && primitive(&field.kind));
         let keyword = if has_fixed { "unsafe " } else { "" };
-        writeln!(
-            text,
-            "    /// <summary>The struct of the C headers.</summary>\n    [StructLayout(LayoutKind.Sequential)]"
-        )?;
         writeln!(text, "    public {keyword}partial struct {structure}\n    {{")?;
         for field in fields {
             let (name, kind) = (pascal(&field.name), self.kind(&field.kind, true)?);
@@ -175,9 +168,7 @@ impl Writer<'_> {
         if let Some(default) = self.default_of(structure) {
             writeln!(
                 text,
-                "\n        public static {structure} Default\n        {{\n            get\n            {{\n                \
-                 CrumpleRuntime.EnsureLoaded();\n                return Native.NativeMethods.{default}();\n            \
-                 }}\n        }}"
+                "\n        public static {structure} Default => CrumpleRuntime.Loaded(() => NativeMethods.{default}());"
             )?;
         }
         text.push_str("    }\n\n");
@@ -205,18 +196,15 @@ impl Writer<'_> {
                 writeln!(text, "        public const uint {} = {};", define(name), defines_in(value))?;
             }
         }
+        text.push('\n');
         for Item { name, form, .. } in self.items {
             let Form::Function { result, parameters } = form else { continue };
             text.push_str(
-                "\n        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]\n",
+                "        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]\n",
             );
-            let head = format!("        public static extern {} {name}(", self.kind(result, false)?);
             let list = self.parameters(parameters).with_context(|| name.clone())?;
-            if head.len() + list.len() < WIDTH {
-                writeln!(text, "{head}{list});")?;
-            } else {
-                writeln!(text, "{head}\n            {});", list.replace(", ", ",\n            "))?;
-            }
+            let declaration = format!("        public static extern {} {name}({list});", self.kind(result, false)?);
+            writeln!(text, "{}", wrapped(&declaration))?;
         }
         Ok(text + "    }\n}\n")
     }
@@ -226,6 +214,23 @@ impl Writer<'_> {
             |parameter: &Variable| Ok(format!("{} {}", self.kind(&parameter.kind, false)?, camel(&parameter.name)));
         Ok(parameters.iter().map(one).collect::<Result<Vec<String>>>()?.join(", "))
     }
+}
+
+/// Breaks a declaration after commas where it would be wider than `WIDTH`.
+fn wrapped(declaration: &str) -> String {
+    let mut parts = declaration.split_inclusive(", ");
+    let mut text = parts.next().unwrap_or_default().to_owned();
+    let mut line = text.len();
+    for part in parts {
+        if line + part.trim_end().len() > WIDTH {
+            text.truncate(text.trim_end().len());
+            text.push_str("\n            ");
+            line = 12;
+        }
+        text.push_str(part);
+        line += part.len();
+    }
+    text
 }
 
 /// `CRUMPLE_VERSION_MAJOR` as `VersionMajor`.

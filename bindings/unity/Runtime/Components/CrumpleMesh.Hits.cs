@@ -39,7 +39,9 @@ namespace Crumple
                 def.Point = MeshMatch.ToCrumple(worldPoint);
                 def.Impulse = MeshMatch.ToCrumple(worldImpulse);
                 def.Normal = MeshMatch.ToCrumple(worldNormal);
-                def.Striker = new CrumpleStriker(strikerMass, strikerRadius, MeshMatch.ToCrumple(worldStrikerVelocity));
+                def.Striker.Mass = strikerMass;
+                def.Striker.Radius = strikerRadius;
+                def.Striker.Velocity = MeshMatch.ToCrumple(worldStrikerVelocity);
                 result = instance.Submit(in def);
             }
             catch (CrumpleException error)

@@ -136,16 +136,21 @@ namespace Crumple
                 mesh = original == null ? set.CreateMesh() : Instantiate(original);
                 mesh.name = (original == null ? set.name : original.name) + " (dented)";
                 filter.sharedMesh = mesh;
-                CrumpleWorld.Add(this);
+                CrumpleWorld.Meshes.Add(this);
                 OpenTarget();
                 changed = true;
             }
-            catch (Exception error) when (error is CrumpleException || error is CrumpleSetupException)
+            catch (CrumpleException error)
             {
-                Release();
-                Problem = error.Message;
-                Debug.LogError("CrumpleMesh '" + name + "': " + Problem, this);
+                Fail(error);
             }
+        }
+
+        private void Fail(CrumpleException error)
+        {
+            Release();
+            Problem = error.Message;
+            Debug.LogError("CrumpleMesh '" + name + "': " + Problem, this);
         }
 
         private void OpenTarget()
@@ -185,7 +190,7 @@ namespace Crumple
         /// <summary>Ends everything native, keeps the damage for the next time, and shows the mesh as it was.</summary>
         internal void Release()
         {
-            CrumpleWorld.Remove(this);
+            CrumpleWorld.Meshes.Remove(this);
             if (gpu != null) gpu.Dispose();
             if (cpu != null) cpu.Dispose();
             gpu = null;
@@ -219,11 +224,9 @@ namespace Crumple
                 if (gpu != null) gpu.Want();
                 else cpu.Update();
             }
-            catch (Exception error) when (error is CrumpleException || error is CrumpleSetupException)
+            catch (CrumpleException error)
             {
-                Release();
-                Problem = error.Message;
-                Debug.LogError("CrumpleMesh '" + name + "': " + Problem, this);
+                Fail(error);
             }
         }
 
@@ -271,7 +274,6 @@ namespace Crumple
         /// <summary>Takes the damage that <see cref="SaveDamage"/> gave, here or on another machine.</summary>
         public void LoadDamage(byte[] damage)
         {
-            if (damage == null) throw new ArgumentNullException("damage");
             using (CrumpleWorld.Enter()) Opened().LoadDamage(damage);
             changed = true;
         }

@@ -1,4 +1,3 @@
-using System;
 using UnityEngine;
 
 namespace Crumple
@@ -42,15 +41,14 @@ namespace Crumple
         /// <exception cref="CrumpleException">They are no .crumple file, or of another version.</exception>
         public void SetBytes(byte[] baked)
         {
-            if (baked == null) throw new ArgumentNullException("baked");
-            using (CrumpleContext context = new CrumpleContext(new ContextOptions { Threads = 1 }))
+            using (CrumpleContext context = new CrumpleContext(1))
             using (ExampleSet set = context.LoadBaked(baked))
             {
-                ExampleSetInfo info = set.GetInfo();
+                CrumpleExampleSetInfo info = set.GetInfo();
                 bytes = baked;
-                vertexCount = info.VertexCount;
-                exampleCount = info.ExampleCount;
-                depthLimit = info.Values.DepthLimit;
+                vertexCount = (int)info.VertexCount;
+                exampleCount = (int)info.ExampleCount;
+                depthLimit = info.DepthLimit;
             }
         }
 
@@ -65,10 +63,10 @@ namespace Crumple
         /// <summary>The set's base mesh as a Mesh: positions, normals, tangents where it has them, and triangles.</summary>
         public Mesh CreateMesh()
         {
-            using (CrumpleContext context = new CrumpleContext(new ContextOptions { Threads = 1 }))
+            using (CrumpleContext context = new CrumpleContext(1))
             using (ExampleSet set = context.LoadBaked(bytes))
             {
-                Mesh mesh = MeshLayout.MeshOf(set, set.GetInfo());
+                Mesh mesh = MeshLayout.MeshOf(set);
                 mesh.name = name;
                 return mesh;
             }

@@ -16,27 +16,10 @@ namespace Crumple
     /// </summary>
     public static partial class CrumpleWorld
     {
-        private struct Key : IEquatable<Key>
-        {
-            internal CrumpleSet Asset;
-            internal Mesh Shown;
-
-            public bool Equals(Key other)
-            {
-                return ReferenceEquals(Asset, other.Asset) && ReferenceEquals(Shown, other.Shown);
-            }
-
-            public override int GetHashCode()
-            {
-                return Asset.GetHashCode() * 31 + (ReferenceEquals(Shown, null) ? 0 : Shown.GetHashCode());
-            }
-        }
-
         /// <summary>A set that is loaded, and which of its meshes a Mesh shows.</summary>
         internal sealed class Loaded
         {
             internal ExampleSet Set;
-            internal ExampleSetInfo Info;
             internal int Lod;
         }
 
@@ -50,7 +33,7 @@ namespace Crumple
                 held = context;
                 if (held == IntPtr.Zero) return;
                 CrumpleResult result = UnityPlugin.crumple_unity_lock(held);
-                if (result != CrumpleResult.Ok) throw new CrumpleException(result, "crumple_unity_lock", UnityPlugin.LastError());
+                if (result != CrumpleResult.Ok) throw new CrumpleException(result, UnityPlugin.LastError());
             }
 
             /// <summary>Leaves.</summary>
@@ -60,8 +43,10 @@ namespace Crumple
             }
         }
 
-        private static readonly Dictionary<Key, Loaded> Sets = new Dictionary<Key, Loaded>();
-        private static readonly List<CrumpleMesh> Meshes = new List<CrumpleMesh>();
+        /// <summary>The meshes that are dented at the moment.</summary>
+        internal static readonly List<CrumpleMesh> Meshes = new List<CrumpleMesh>();
+
+        private static readonly Dictionary<(CrumpleSet, Mesh), Loaded> Sets = new Dictionary<(CrumpleSet, Mesh), Loaded>();
         private static readonly HashSet<string> Said = new HashSet<string>();
         private static CrumpleContext context;
         private static IntPtr shared; // the context, once the native plugin knows it
@@ -85,12 +70,6 @@ namespace Crumple
                 }
                 return context;
             }
-        }
-
-        /// <summary>Number of meshes that are dented at the moment.</summary>
-        public static int MeshCount
-        {
-            get { return Meshes.Count; }
         }
 
         /// <summary>Enters the context: <c>using (CrumpleWorld.Enter()) …</c> Stays do not nest.</summary>
@@ -122,9 +101,8 @@ namespace Crumple
         /// share both.</summary>
         internal static Loaded Load(CrumpleSet asset, Mesh shown)
         {
-            Key key = new Key { Asset = asset, Shown = shown };
             Loaded loaded;
-            if (Sets.TryGetValue(key, out loaded)) return loaded;
+            if (Sets.TryGetValue((asset, shown), out loaded)) return loaded;
             CrumpleContext made = Context;
             loaded = new Loaded();
             MeshMatch match = ReferenceEquals(shown, null) ? null : new MeshMatch(shown);
@@ -134,8 +112,7 @@ namespace Crumple
                 loaded.Set = made.LoadBaked(asset.Bytes);
                 try
                 {
-                    loaded.Info = loaded.Set.GetInfo();
-                    if (match != null) loaded.Lod = match.Find(loaded.Set, loaded.Info, name);
+                    if (match != null) loaded.Lod = match.Find(loaded.Set, name);
                 }
                 catch
                 {
@@ -143,7 +120,7 @@ namespace Crumple
                     throw;
                 }
             }
-            Sets.Add(key, loaded);
+            Sets.Add((asset, shown), loaded);
             return loaded;
         }
 
@@ -161,16 +138,6 @@ namespace Crumple
             if (!Said.Add(text)) return;
             if (warning) Debug.LogWarning("Crumple: " + text, about);
             else Debug.Log("Crumple: " + text, about);
-        }
-
-        internal static void Add(CrumpleMesh mesh)
-        {
-            Meshes.Add(mesh);
-        }
-
-        internal static void Remove(CrumpleMesh mesh)
-        {
-            Meshes.Remove(mesh);
         }
 
         /// <summary>

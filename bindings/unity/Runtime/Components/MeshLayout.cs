@@ -5,12 +5,11 @@ using UnityEngine.Rendering;
 
 namespace Crumple
 {
-    /// <summary>Something that a mesh, a set or a component lacks. The message says what it is and what would be right.</summary>
-    public sealed class CrumpleSetupException : Exception
+    /// <summary>Something that a mesh or a component lacks. The message says what it is and what would be right.</summary>
+    internal sealed class CrumpleSetupException : CrumpleException
     {
-        /// <summary>With a message for the console.</summary>
-        public CrumpleSetupException(string message)
-            : base(message)
+        internal CrumpleSetupException(string message)
+            : base(CrumpleResult.ErrorUnsupported, message)
         {
         }
     }
@@ -68,10 +67,11 @@ namespace Crumple
         }
 
         /// <summary>A set's base mesh as a Mesh with one vertex stream.</summary>
-        internal static Mesh MeshOf(ExampleSet set, ExampleSetInfo info)
+        internal static Mesh MeshOf(ExampleSet set)
         {
-            bool tangents = info.Values.HasTangents;
-            int stride = tangents ? 40 : 24, count = info.VertexCount;
+            CrumpleExampleSetInfo info = set.GetInfo();
+            bool tangents = info.HasTangents;
+            int stride = tangents ? 40 : 24, count = (int)info.VertexCount;
             float[] vertices = new float[count * stride / 4];
             uint[] indices = new uint[info.TriangleCount * 3];
             set.CopyMesh(StridedArray.Of(vertices, 0, stride), StridedArray.Of(vertices, 12, stride),
@@ -122,13 +122,15 @@ namespace Crumple
         }
 
         /// <summary>0: vertex by vertex the base mesh. Otherwise it becomes a level of detail of the set.</summary>
-        internal int Find(ExampleSet set, ExampleSetInfo info, string setName)
+        internal int Find(ExampleSet set, string setName)
         {
-            CrumpleAabb box = info.Bounds;
-            Vector3 size = new Vector3(box.Max.X - box.Min.X, box.Max.Y - box.Min.Y, box.Max.Z - box.Min.Z);
-            if (IsBase(set, info, 1e-4f * size.magnitude)) return 0;
-            CheckPlace(set, 0.02f * size.magnitude, setName);
-            LodDef lod = new LodDef();
+            CrumpleExampleSetInfo info = set.GetInfo();
+            Vector3[] theirs = new Vector3[info.VertexCount];
+            set.CopyMesh(StridedArray.Of(theirs));
+            float size = MeshLayout.ToBounds(info.Bounds).size.magnitude;
+            if (IsBase(theirs, 1e-4f * size)) return 0;
+            CheckPlace(set, theirs, 0.02f * size, setName);
+            MeshDef lod = new MeshDef();
             lod.Positions = StridedArray.Of(positions);
             lod.VertexCount = positions.Length;
             if (normals.Length == positions.Length) lod.Normals = StridedArray.Of(normals);
@@ -137,47 +139,30 @@ namespace Crumple
             return set.AddLod(lod);
         }
 
-        private bool IsBase(ExampleSet set, ExampleSetInfo info, float tolerance)
+        private bool IsBase(Vector3[] theirs, float tolerance)
         {
-            if (positions.Length != info.VertexCount) return false;
-            Vector3[] theirs = new Vector3[positions.Length];
-            set.CopyMesh(StridedArray.Of(theirs));
+            if (positions.Length != theirs.Length) return false;
             for (int i = 0; i < theirs.Length; i++)
                 if (!((theirs[i] - positions[i]).magnitude <= tolerance)) return false;
             return true;
         }
 
         // A mesh in another place, scale or handedness would be bound too, to the wrong vertices. Some hundred of its vertices
-        // tell.
-        private void CheckPlace(ExampleSet set, float tolerance, string setName)
+        // tell: they lie near the base mesh's surface.
+        private unsafe void CheckPlace(ExampleSet set, Vector3[] theirs, float tolerance, string setName)
         {
             int step = Math.Max(1, positions.Length / 256);
             for (int i = 0; i < positions.Length; i += step)
             {
-                float distance;
-                set.NearestVertex(ToCrumple(positions[i]), out distance);
-                // Between vertices of a coarse base mesh the surface may be near and every vertex far.
-                if (distance <= tolerance || distance <= Spacing(set)) continue;
+                CrumpleAttachment nearest = set.AttachPoint(ToCrumple(positions[i]));
+                Vector3 surface = Vector3.zero;
+                for (int corner = 0; corner < 3; corner++) surface += nearest.Weights[corner] * theirs[nearest.Vertices[corner]];
+                float distance = (positions[i] - surface).magnitude;
+                if (distance <= tolerance) continue;
                 throw new CrumpleSetupException("mesh '" + name + "' does not lie where example set '" + setName + "' does: its vertex " + i +
                     " at " + positions[i] + " is " + distance + " m off. Both must be in one space, " +
                     "in metres; most glTF importers of Unity mirror x, the set does not. Leave the mesh filter empty to show the set's own mesh");
             }
-        }
-
-        private float spacing = -1;
-
-        // The longest edge of the base mesh, m.
-        private float Spacing(ExampleSet set)
-        {
-            if (spacing >= 0) return spacing;
-            ExampleSetInfo info = set.GetInfo();
-            Vector3[] vertices = new Vector3[info.VertexCount];
-            uint[] indices = new uint[info.TriangleCount * 3];
-            if (indices.Length == 0) return spacing = 0;
-            set.CopyMesh(StridedArray.Of(vertices), default(StridedArray), default(StridedArray), StridedArray.Of(indices));
-            for (int i = 0; i < indices.Length; i++)
-                spacing = Math.Max(spacing, (vertices[indices[i]] - vertices[indices[i % 3 == 2 ? i - 2 : i + 1]]).magnitude);
-            return spacing;
         }
 
         internal static CrumpleVec3 ToCrumple(Vector3 v)

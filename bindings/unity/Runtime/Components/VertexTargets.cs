@@ -17,7 +17,7 @@ namespace Crumple
         private readonly MeshLayout layout;
         private readonly CrumpleContext context;
         private readonly HostBuffer buffer;
-        private readonly CrumpleBuffer[] ids = new CrumpleBuffer[1];
+        private readonly CrumpleBuffer[] ids;
         private NativeArray<byte> vertices;
         private CrumpleRange[] ranges = new CrumpleRange[64];
 
@@ -45,7 +45,7 @@ namespace Crumple
                 vertices.Dispose();
                 throw;
             }
-            ids[0] = buffer.Id;
+            ids = new[] { buffer.Id };
         }
 
         private StridedArray Stream(IntPtr memory, long size, UnityPlugin.Attribute attribute)
@@ -61,7 +61,7 @@ namespace Crumple
             using (CrumpleWorld.Enter())
             {
                 context.Deform(ids);
-                count = buffer.CountChanges(out bounds);
+                count = buffer.GetChanges(default(Span<CrumpleRange>), out bounds);
                 if (count > ranges.Length) ranges = new CrumpleRange[Math.Max(count, 2 * ranges.Length)];
                 if (count > 0) buffer.GetChanges(ranges, out bounds);
             }

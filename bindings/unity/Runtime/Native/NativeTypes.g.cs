@@ -1,8 +1,10 @@
-// Generated from the headers in include by `cargo xtask header`; do not edit it. They document what is declared here.
+// Generated from the headers in include by `cargo xtask header`; do not edit it. They document what is declared here. C# lays out
+// structs as C does; tests compare them with a C compiler's.
 #pragma warning disable 1591
 
 using System;
 using System.Runtime.InteropServices;
+using Crumple.Native;
 
 namespace Crumple
 {
@@ -120,8 +122,6 @@ namespace Crumple
     [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
     public delegate void CrumpleParallelFor(uint count, IntPtr task, IntPtr taskData, IntPtr user);
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleTaskSystem
     {
         public IntPtr ParallelFor;
@@ -129,8 +129,6 @@ namespace Crumple
         public uint Workers;
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleContextDef
     {
         public uint StructSize;
@@ -139,18 +137,9 @@ namespace Crumple
         public IntPtr LogUser;
         public CrumpleTaskSystem Tasks;
 
-        public static CrumpleContextDef Default
-        {
-            get
-            {
-                CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_context_def_default();
-            }
-        }
+        public static CrumpleContextDef Default => CrumpleRuntime.Loaded(() => NativeMethods.crumple_context_def_default());
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleExampleSet
     {
         public uint Index;
@@ -158,8 +147,6 @@ namespace Crumple
         public ushort Context;
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleVec3
     {
         public float X;
@@ -167,16 +154,12 @@ namespace Crumple
         public float Z;
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleAabb
     {
         public CrumpleVec3 Min;
         public CrumpleVec3 Max;
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumpleExampleSetInfo
     {
         public IntPtr Name;
@@ -197,8 +180,6 @@ namespace Crumple
         public fixed ulong Reserved[2];
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleStream
     {
         public IntPtr Data;
@@ -207,8 +188,6 @@ namespace Crumple
         public UIntPtr Stride;
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleMeshCopyDef
     {
         public uint StructSize;
@@ -218,18 +197,9 @@ namespace Crumple
         public CrumpleStream Tangents;
         public CrumpleStream Indices;
 
-        public static CrumpleMeshCopyDef Default
-        {
-            get
-            {
-                CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_mesh_copy_def_default();
-            }
-        }
+        public static CrumpleMeshCopyDef Default => CrumpleRuntime.Loaded(() => NativeMethods.crumple_mesh_copy_def_default());
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumpleInstanceDef
     {
         public uint StructSize;
@@ -247,18 +217,9 @@ namespace Crumple
         public float GrowTime;
         public fixed float LocalToWorld[16];
 
-        public static CrumpleInstanceDef Default
-        {
-            get
-            {
-                CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_instance_def_default();
-            }
-        }
+        public static CrumpleInstanceDef Default => CrumpleRuntime.Loaded(() => NativeMethods.crumple_instance_def_default());
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleInstance
     {
         public uint Index;
@@ -266,8 +227,6 @@ namespace Crumple
         public ushort Context;
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumpleInstanceInfo
     {
         public CrumpleExampleSet Set;
@@ -280,8 +239,6 @@ namespace Crumple
         public fixed uint Reserved[2];
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumpleStriker
     {
         public float Mass;
@@ -291,8 +248,6 @@ namespace Crumple
         public fixed uint Reserved[2];
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleHitDef
     {
         public uint StructSize;
@@ -307,18 +262,9 @@ namespace Crumple
         public CrumpleStriker Striker;
         public ulong ContactId;
 
-        public static CrumpleHitDef Default
-        {
-            get
-            {
-                CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_hit_def_default();
-            }
-        }
+        public static CrumpleHitDef Default => CrumpleRuntime.Loaded(() => NativeMethods.crumple_hit_def_default());
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumpleMark
     {
         public uint Contact;
@@ -333,8 +279,6 @@ namespace Crumple
         public ushort Reserved;
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumpleHitResult
     {
         public CrumpleHitStatus Status;
@@ -348,8 +292,6 @@ namespace Crumple
         public fixed uint Reserved[7];
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleContactOptionsDef
     {
         public uint StructSize;
@@ -363,18 +305,9 @@ namespace Crumple
         public uint MaxPoints;
         public uint MaxTouches;
 
-        public static CrumpleContactOptionsDef Default
-        {
-            get
-            {
-                CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_contact_options_def_default();
-            }
-        }
+        public static CrumpleContactOptionsDef Default => CrumpleRuntime.Loaded(() => NativeMethods.crumple_contact_options_def_default());
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumpleContactPointDef
     {
         public uint StructSize;
@@ -395,18 +328,9 @@ namespace Crumple
         public CrumpleStrikerShape Shapes1;
         public float Gain;
 
-        public static CrumpleContactPointDef Default
-        {
-            get
-            {
-                CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_contact_point_def_default();
-            }
-        }
+        public static CrumpleContactPointDef Default => CrumpleRuntime.Loaded(() => NativeMethods.crumple_contact_point_def_default());
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumpleContactReport
     {
         public ulong Points;
@@ -423,8 +347,6 @@ namespace Crumple
         public fixed uint Reserved[3];
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleHostBufferDef
     {
         public uint StructSize;
@@ -436,18 +358,9 @@ namespace Crumple
         public CrumpleDirectionFormat NormalFormat;
         public CrumpleDirectionFormat TangentFormat;
 
-        public static CrumpleHostBufferDef Default
-        {
-            get
-            {
-                CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_host_buffer_def_default();
-            }
-        }
+        public static CrumpleHostBufferDef Default => CrumpleRuntime.Loaded(() => NativeMethods.crumple_host_buffer_def_default());
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleBuffer
     {
         public uint Index;
@@ -455,8 +368,6 @@ namespace Crumple
         public ushort Context;
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumpleBufferInfo
     {
         public CrumpleBuffer Buffer;
@@ -467,8 +378,6 @@ namespace Crumple
         public fixed uint Reserved[3];
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumpleDeformReport
     {
         public ulong VerticesWritten;
@@ -478,8 +387,6 @@ namespace Crumple
         public fixed ulong Reserved[3];
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleRange
     {
         public uint First;
@@ -499,8 +406,6 @@ namespace Crumple
         U16 = 1,
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleInput
     {
         public IntPtr Data;
@@ -508,8 +413,6 @@ namespace Crumple
         public UIntPtr Stride;
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleExampleDef
     {
         public uint StructSize;
@@ -529,18 +432,9 @@ namespace Crumple
         public CrumpleStriker Striker;
         public CrumpleBool HasContactNormal;
 
-        public static CrumpleExampleDef Default
-        {
-            get
-            {
-                CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_example_def_default();
-            }
-        }
+        public static CrumpleExampleDef Default => CrumpleRuntime.Loaded(() => NativeMethods.crumple_example_def_default());
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleMeshDef
     {
         public uint StructSize;
@@ -554,18 +448,9 @@ namespace Crumple
         public CrumpleInput DepthLimits;
         public CrumpleInput Stiffness;
 
-        public static CrumpleMeshDef Default
-        {
-            get
-            {
-                CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_mesh_def_default();
-            }
-        }
+        public static CrumpleMeshDef Default => CrumpleRuntime.Loaded(() => NativeMethods.crumple_mesh_def_default());
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleExampleSetOptions
     {
         public float DepthLimit;
@@ -580,8 +465,6 @@ namespace Crumple
         public CrumpleBool WholeExamples;
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleExampleSetDef
     {
         public uint StructSize;
@@ -590,18 +473,9 @@ namespace Crumple
         public IntPtr Examples;
         public CrumpleExampleSetOptions Options;
 
-        public static CrumpleExampleSetDef Default
-        {
-            get
-            {
-                CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_example_set_def_default();
-            }
-        }
+        public static CrumpleExampleSetDef Default => CrumpleRuntime.Loaded(() => NativeMethods.crumple_example_set_def_default());
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleCapsule
     {
         public CrumpleVec3 A;
@@ -609,8 +483,6 @@ namespace Crumple
         public float Radius;
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleExampleInfo
     {
         public IntPtr Name;
@@ -625,8 +497,6 @@ namespace Crumple
         public ulong Reserved;
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumpleDamageMapping
     {
         public uint Kept;
@@ -637,8 +507,6 @@ namespace Crumple
         public fixed uint Reserved[3];
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleGltfDef
     {
         public uint StructSize;
@@ -654,18 +522,9 @@ namespace Crumple
         public IntPtr Moving;
         public CrumpleExampleSetOptions Options;
 
-        public static CrumpleGltfDef Default
-        {
-            get
-            {
-                CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_gltf_def_default();
-            }
-        }
+        public static CrumpleGltfDef Default => CrumpleRuntime.Loaded(() => NativeMethods.crumple_gltf_def_default());
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleObjDef
     {
         public uint StructSize;
@@ -674,18 +533,9 @@ namespace Crumple
         public IntPtr ExamplePaths;
         public CrumpleExampleSetOptions Options;
 
-        public static CrumpleObjDef Default
-        {
-            get
-            {
-                CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_obj_def_default();
-            }
-        }
+        public static CrumpleObjDef Default => CrumpleRuntime.Loaded(() => NativeMethods.crumple_obj_def_default());
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumplePrimitive
     {
         public IntPtr Material;
@@ -696,8 +546,6 @@ namespace Crumple
         public fixed uint Reserved[2];
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumpleAttachment
     {
         public fixed uint Vertices[3];
@@ -706,8 +554,6 @@ namespace Crumple
         public fixed uint Reserved[3];
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleQuat
     {
         public float X;
@@ -716,8 +562,6 @@ namespace Crumple
         public float W;
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public unsafe partial struct CrumplePose
     {
         public CrumpleVec3 Position;
@@ -725,8 +569,6 @@ namespace Crumple
         public fixed uint Reserved[5];
     }
 
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
     public partial struct CrumpleContactHit
     {
         public ulong Pair;
@@ -735,203 +577,5 @@ namespace Crumple
         public CrumpleVec3 Point;
         public CrumpleVec3 Impulse;
         public CrumpleHitResult Result;
-    }
-
-    [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
-    public delegate IntPtr CrumpleAlloc(UIntPtr size, UIntPtr align, IntPtr user);
-
-    [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
-    public delegate void CrumpleFree(IntPtr pointer, UIntPtr size, UIntPtr align, IntPtr user);
-
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleAllocatorDef
-    {
-        public uint StructSize;
-        public IntPtr Alloc;
-        public IntPtr Free;
-        public IntPtr User;
-
-        public static CrumpleAllocatorDef Default
-        {
-            get
-            {
-                CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_allocator_def_default();
-            }
-        }
-    }
-
-    public enum CrumpleHandleType
-    {
-        OpaqueFd = 0,
-        OpaqueWin32 = 1,
-    }
-
-    [UnmanagedFunctionPointer(CallingConvention.Cdecl)]
-    public delegate void CrumpleVulkanFunction();
-
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleVulkanAttachDef
-    {
-        public uint StructSize;
-        public uint QueueFamily;
-        public IntPtr GetInstanceProcAddr;
-        public IntPtr Instance;
-        public IntPtr PhysicalDevice;
-        public IntPtr Device;
-        public IntPtr PipelineCache;
-        public UIntPtr PipelineCacheSize;
-        public uint WorkgroupSize;
-
-        public static CrumpleVulkanAttachDef Default
-        {
-            get
-            {
-                CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_vulkan_attach_def_default();
-            }
-        }
-    }
-
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleVulkanStream
-    {
-        public ulong Offset;
-        public ulong Stride;
-        public uint Format;
-        public uint Reserved;
-    }
-
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleVulkanBufferDef
-    {
-        public uint StructSize;
-        public uint Lod;
-        public ulong UserData;
-        public ulong Buffer;
-        public ulong BufferSize;
-        public uint Usage;
-        public uint QueueFamily;
-        public uint BeforeStages;
-        public uint BeforeAccess;
-        public uint AfterStages;
-        public uint AfterAccess;
-        public ulong Offset;
-        public ulong Size;
-        public CrumpleVulkanStream Positions;
-        public CrumpleVulkanStream Normals;
-        public CrumpleVulkanStream Tangents;
-        public CrumpleVec3 Scale;
-        public CrumpleVec3 Bias;
-
-        public static CrumpleVulkanBufferDef Default
-        {
-            get
-            {
-                CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_vulkan_buffer_def_default();
-            }
-        }
-    }
-
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public unsafe partial struct CrumpleRecordReport
-    {
-        public ulong VerticesWritten;
-        public ulong BlocksWritten;
-        public ulong BlocksSkipped;
-        public ulong BytesCopied;
-        public uint Dispatches;
-        public uint Reserved0;
-        public ulong VerticesWaiting;
-        public fixed ulong Reserved[3];
-    }
-
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public unsafe partial struct CrumpleVulkanOpenDef
-    {
-        public uint StructSize;
-        public uint WorkgroupSize;
-        public IntPtr GetInstanceProcAddr;
-        public fixed byte DeviceUuid[16];
-        public IntPtr PipelineCache;
-        public UIntPtr PipelineCacheSize;
-
-        public static CrumpleVulkanOpenDef Default
-        {
-            get
-            {
-                CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_vulkan_open_def_default();
-            }
-        }
-    }
-
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleVulkanImportDef
-    {
-        public uint StructSize;
-        public CrumpleHandleType HandleType;
-        public long Handle;
-        public ulong MemorySize;
-        public uint MemoryType;
-        public uint Usage;
-        public ulong Offset;
-        public ulong Size;
-        public CrumpleBool Dedicated;
-
-        public static CrumpleVulkanImportDef Default
-        {
-            get
-            {
-                CrumpleRuntime.EnsureLoaded();
-                return Native.NativeMethods.crumple_vulkan_import_def_default();
-            }
-        }
-    }
-
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleGraphUpload
-    {
-        public uint Storage;
-        public uint Reserved;
-        public ulong StorageSize;
-        public ulong Offset;
-        public IntPtr Data;
-        public UIntPtr Size;
-    }
-
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public unsafe partial struct CrumpleGraphDispatch
-    {
-        public uint Kernel;
-        public uint Storage;
-        public ulong Buffer;
-        public fixed uint Groups[2];
-        public fixed uint Constants[8];
-    }
-
-    /// <summary>The struct of the C headers.</summary>
-    [StructLayout(LayoutKind.Sequential)]
-    public partial struct CrumpleGraphPlan
-    {
-        public IntPtr Freed;
-        public IntPtr Uploads;
-        public IntPtr Dispatches;
-        public IntPtr Work;
-        public UIntPtr WorkSize;
-        public uint FreedCount;
-        public uint UploadCount;
-        public uint DispatchCount;
-        public uint Reserved;
     }
 }
