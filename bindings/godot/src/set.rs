@@ -1,6 +1,7 @@
 use crate::surfaces::{self, Surface};
 use crate::tasks;
-use crumple::{ExampleSet, SetOptions, VertexMass};
+use crumple::glam::Vec3;
+use crumple::{Aabb, ExampleSet, SetOptions, VertexMass};
 use godot::classes::{ArrayMesh, FileAccess, IResource, Resource, file_access};
 use godot::global;
 use godot::prelude::*;
@@ -311,9 +312,11 @@ fn make(mesh: Option<Gd<ArrayMesh>>, edge: f32, data: &PackedByteArray, options:
     Ok(Built { set: Arc::new(set), surfaces, pristine })
 }
 
-/// The surfaces of a mesh, which must be the one that the set was baked from.
+/// The surfaces of a mesh, which must be the one that the set was baked from. If Godot compressed it, positions are rounded to a 65535th
+/// of the size of their surface.
 fn fitting(mesh: &Gd<ArrayMesh>, edge: f32, set: &ExampleSet) -> Result<Vec<Surface>, String> {
-    let (surfaces, positions) = surfaces::shown(mesh, edge)?;
+    let (mut surfaces, positions) = surfaces::shown(mesh, edge)?;
+    surfaces.iter_mut().for_each(|surface| surface.fit(set));
     let baked = set.mesh().positions();
     if positions.len() != baked.len() {
         return Err(format!(
@@ -322,7 +325,10 @@ fn fitting(mesh: &Gd<ArrayMesh>, edge: f32, set: &ExampleSet) -> Result<Vec<Surf
             positions.len()
         ));
     }
-    match positions.iter().zip(baked).position(|(p, b)| *p != b.to_array()) {
+    let bounds = Aabb::of(baked);
+    let rounding = (bounds.max - bounds.min) / 65535.0;
+    let differs = |p: &[f32; 3], b: Vec3| (Vec3::from_array(*p) - b).abs().cmpgt(rounding).any();
+    match positions.iter().zip(baked).position(|(p, b)| differs(p, *b)) {
         None => Ok(surfaces),
         Some(v) => Err(format!(
             "its data was baked from another mesh: vertex {v} is at {:?}, and the mesh has it at {:?}",

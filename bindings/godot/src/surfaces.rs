@@ -30,6 +30,18 @@ pub struct Surface {
     pub has_tangents: bool,
 }
 
+impl Surface {
+    /// Fits a surface to a baked set. Normals that the set lacks stay undamaged. Tangents that it lacks are dropped; compressed meshes
+    /// always have some.
+    pub fn fit(&mut self, set: &ExampleSet) {
+        self.has_normals &= set.mesh().normals().is_some();
+        if self.has_tangents && set.mesh().tangents().is_none() {
+            self.arrays.set(ArrayType::TANGENT.ord() as usize, &Variant::nil());
+            self.has_tangents = false;
+        }
+    }
+}
+
 /// What a mesh with blend shapes holds.
 pub struct Source {
     pub surfaces: Vec<Surface>,

@@ -218,6 +218,16 @@ func test_a_file_gives_the_same_set() -> void:
 	both.data = FileAccess.get_file_as_bytes("user://sheet.crumple")
 	t.same(both.get_problem(), "", "problem")
 	t.ok(both.get_pristine_mesh().surface_get_format(0) & Mesh.ARRAY_FORMAT_TEX_UV != 0, "it has texture coordinates")
+	# Compression rounds positions and adds tangents.
+	var compressed := ArrayMesh.new()
+	compressed.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, Sheet.arrays(0, 1, false, false), [], {},
+		Mesh.ARRAY_FLAG_COMPRESS_ATTRIBUTES)
+	both.mesh = compressed
+	t.same(both.get_problem(), "", "problem of a compressed mesh")
+	node.example_set = both
+	dented(node)
+	node.update_now()
+	t.near((node.mesh as ArrayMesh).custom_aabb.size.y, 0.04, 1e-3, "depth")
 	node.free()
 
 
