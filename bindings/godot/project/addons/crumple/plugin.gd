@@ -4,9 +4,11 @@ extends EditorPlugin
 
 const Importer := preload("import_crumple.gd")
 const Inspector := preload("inspect_set.gd")
+const Quantized := preload("read_quantized.gd")
 
 var importer: EditorImportPlugin
 var inspector: EditorInspectorPlugin
+var quantized: GLTFDocumentExtension
 
 
 func _enter_tree() -> void:
@@ -14,10 +16,14 @@ func _enter_tree() -> void:
 	add_import_plugin(importer)
 	inspector = Inspector.new()
 	add_inspector_plugin(inspector)
+	quantized = Quantized.new()
+	GLTFDocument.register_gltf_document_extension(quantized)
 
 
 func _exit_tree() -> void:
 	remove_import_plugin(importer)
 	remove_inspector_plugin(inspector)
+	GLTFDocument.unregister_gltf_document_extension(quantized)
 	importer = null
 	inspector = null
+	quantized = null
