@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 
-use crate::godot::BINDING;
+use crate::godot::{BINDING, lay_out_generated};
 use crate::package::{archive, licenses, markdown};
 use crate::target::{self, Target};
 use crate::tools::{self, Tool};
@@ -20,6 +20,9 @@ pub struct Options {
     /// Build the extension for Windows too, with MinGW
     #[arg(long)]
     windows: bool,
+    /// Also write the demo project to DIR/demo, ready to run
+    #[arg(long)]
+    demo: bool,
 }
 
 /// The addon's folder in a project.
@@ -63,6 +66,18 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
     let archive = out.join(format!("crumple-godot-{}.zip", workspace.version));
     let file = fs::File::create(&archive).with_context(|| format!("creating {}", archive.display()))?;
     archive::zip(&stage.join("addons"), file).with_context(|| format!("packing {}", archive.display()))?;
+    if options.demo {
+        let (from, project) = (workspace.path(BINDING).join("project"), out.join("demo"));
+        empty_directory(&project)?;
+        copy(&from.join("project.godot"), &project.join("project.godot"))?;
+        for (folder, within) in [(&from, "demo"), (&stage, "addons")] {
+            for file in files(&folder.join(within))? {
+                copy(&file, &project.join(file.strip_prefix(folder)?))?;
+            }
+        }
+        lay_out_generated(workspace, &project)?;
+        println!("{0} is the demo: godot --path {0}", project.display());
+    }
     println!("{} ({:.1} MB)", archive.display(), fs::metadata(&archive)?.len() as f64 / 1e6);
     Ok(())
 }

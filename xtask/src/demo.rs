@@ -5,6 +5,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, Result};
+use xshell::cmd;
 
 use crate::command::Command;
 use crate::install::Profile;
@@ -30,6 +31,20 @@ fn show(workspace: &Workspace, command: &Command<'_>, out: &Path) -> Result<()> 
     println!("  Look at {} and dented.glb beside it.", out.join("before_after.png").display());
     println!("  The hits are in {CRASH}, what each became in report.txt.");
     Ok(())
+}
+
+/// Writes what other programs need to draw the car and to dent it: `car.glb`, without examples and packing, and the baked `car.crumple`.
+/// `options` are further ones of both commands, such as `--moving`.
+pub fn lay_out_car(workspace: &Workspace, folder: &Path, options: &[&str]) -> Result<()> {
+    fs::create_dir_all(folder).with_context(|| format!("creating {}", folder.display()))?;
+    let command = Command::build(workspace, Profile::Debug, None)?;
+    let (program, car, set) = (command.program(), workspace.path(CAR), folder.join("car.crumple"));
+    let bake = cmd!(workspace.shell, "{program} bake {car} --join --one-mesh {options...} -o {set}");
+    bake.quiet().ignore_stdout().run()?;
+    let none = folder.join("impacts.json");
+    fs::write(&none, "[]")?;
+    command.apply(&car, &none, &folder.join("car.glb"), None, &[&["--join"], options].concat())?;
+    fs::remove_file(&none).context("removing the list of no impacts")
 }
 
 /// The demo as a test: it runs and writes every file that it promises.

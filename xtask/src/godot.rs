@@ -10,6 +10,7 @@ use anyhow::{Context, Result, ensure};
 use xshell::{PushEnv, cmd};
 
 use crate::debian;
+use crate::demo;
 use crate::stage::{Outcome, all_passed};
 use crate::vulkan;
 use crate::wine;
@@ -118,7 +119,7 @@ pub fn engine(workspace: &Workspace) -> Result<PathBuf> {
     Ok(program)
 }
 
-/// Copies the example project with the extension and the hood. Returns the copy's folder.
+/// Copies the example project with the extension, the hood and the car. Returns the copy's folder.
 fn lay_out(workspace: &Workspace, library: &Path) -> Result<PathBuf> {
     let (from, project) = (workspace.path(BINDING).join("project"), workspace.target.join("godot/project"));
     empty_directory(&project)?;
@@ -136,10 +137,18 @@ fn lay_out(workspace: &Workspace, library: &Path) -> Result<PathBuf> {
     }
     copy(library, project.join("addons/crumple/bin/libcrumple_godot.so"))?;
     copy(&workspace.path("assets/demo/hood.glb"), project.join("assets/hood.glb"))?;
-    // The editor writes this list when it finds an extension.
+    lay_out_generated(workspace, &project)?;
+    Ok(project)
+}
+
+/// Writes what the demo needs beside the files of the repository: the car, and the list of extensions that the editor writes when it
+/// finds one.
+pub fn lay_out_generated(workspace: &Workspace, project: &Path) -> Result<()> {
+    // Wheels are nodes of their own.
+    demo::lay_out_car(workspace, &project.join("assets"), &["--moving", "wheel_*"])?;
     fs::create_dir_all(project.join(".godot"))?;
     fs::write(project.join(".godot/extension_list.cfg"), "res://addons/crumple/crumple.gdextension\n")?;
-    Ok(project)
+    Ok(())
 }
 
 /// Makes the engine write below a folder until the result is dropped.

@@ -116,12 +116,5 @@ fn lay_out(workspace: &Workspace, modules: &Path, out: &Path) -> Result<()> {
         let to = out.join("three").join(file);
         copy(&modules.join("three").join(file), to.parent().context("the file is in a folder")?)?;
     }
-    // The car as it is drawn, and the set that dents it.
-    let command = Command::build(workspace, Profile::Debug, None)?;
-    let (program, car, set) = (command.program(), workspace.path(demo::CAR), out.join(SET));
-    cmd!(workspace.shell, "{program} bake {car} --join --one-mesh -o {set}").quiet().ignore_stdout().run()?;
-    let none = out.join("impacts.json");
-    fs::write(&none, "[]")?;
-    command.apply(&car, &none, &out.join("car.glb"), None, &["--join"])?;
-    fs::remove_file(&none).context("removing the list of no impacts")
+    demo::lay_out_car(workspace, out, &[])
 }

@@ -1,11 +1,13 @@
 extends Node3D
-## Drive with the arrow keys or WASD. R puts everything back and repairs it. Without keys the car drives by itself, again and again.
+## Drive with the arrow keys. R puts everything back and repairs it. Without keys the car drives by itself, again and again.
 
 const Car := preload("res://demo/car.gd")
 const BarrelMesh := preload("res://demo/barrel_mesh.gd")
 
 ## What the car does by itself: until when (s), throttle, steering.
-const PLAN: Array[Vector3] = [Vector3(2.6, 1, 0), Vector3(3.4, 0, 0), Vector3(4.6, -0.8, 0), Vector3(6.0, 0, 0)]
+const PLAN: Array[Vector3] = [
+	Vector3(1.1, 1, 0), Vector3(2.3, 0, 0), Vector3(3.7, -0.7, 0.7), Vector3(4.4, 0, 0), Vector3(5.2, 0.6, 0), Vector3(6.0, 0, 0),
+]
 
 var car: VehicleBody3D
 var camera: Camera3D
@@ -16,20 +18,19 @@ var taken := false
 
 
 func _ready() -> void:
+	get_viewport().msaa_3d = Viewport.MSAA_4X
 	surroundings()
 	car = Car.new()
-	car.position = Vector3(0, 0.1, 12)
+	car.position = Vector3(0, 0, -10)
 	add_child(car)
-	pillar(Vector3(0.5, 0, -3))
-	pillar(Vector3(-7, 0, -3))
 	var mesh := BarrelMesh.make(25)
 	for at: Vector3 in [
-		Vector3(-0.75, 0, 5), Vector3(-0.05, 0, 5.2), Vector3(-0.4, 0.9, 5.1), Vector3(-1.5, 0, 4.7), Vector3(-3, 0, -6),
-		Vector3(-3.6, 0, -6.3),
+		Vector3(-0.6, 0, -3), Vector3(0.05, 0, -3.1), Vector3(0.7, 0, -3), Vector3(-0.25, 0.9, -3), Vector3(-4.2, 0, -7),
+		Vector3(-4.9, 0, -6.8),
 	]:
 		barrel(mesh, at)
 	camera = Camera3D.new()
-	camera.fov = 46
+	camera.fov = 40
 	add_child(camera)
 	follow(1)
 
@@ -53,7 +54,7 @@ func _physics_process(step: float) -> void:
 
 
 func _process(step: float) -> void:
-	follow(1 - exp(-7 * step))
+	follow(1 - exp(-12 * step))
 
 
 func _unhandled_key_input(event: InputEvent) -> void:
@@ -72,38 +73,47 @@ func reset() -> void:
 		(barrels[i].get_node("Mesh") as CrumpleMeshInstance3D).repair()
 
 
-## The camera looks at the car's front from the side.
+## The camera looks at what is about to crash, and from behind when somebody drives.
 func follow(share: float) -> void:
-	var at := car.global_position + Vector3(-3.1, 1.9, -4.2)
-	camera.global_position = camera.global_position.lerp(at, share)
-	camera.look_at(car.global_position + Vector3(0, 0.6, -0.4))
+	var at := Vector3(-2.3, 1.5, 3.7).rotated(Vector3.UP, -2.6 * smoothstep(2.8, 4, clock))
+	if taken:
+		at = car.basis * Vector3(0, 2.2, -6.5)
+	camera.position = camera.position.lerp(car.position + at, share)
+	camera.look_at(car.position + Vector3(0, 0.6, 0.3))
 
 
-func solid(size: Vector3, at: Vector3, colour: Color) -> void:
-	var body := StaticBody3D.new()
-	body.position = at
-	var shape := CollisionShape3D.new()
-	shape.shape = BoxShape3D.new()
-	shape.shape.size = size
-	body.add_child(shape)
+func solid(mesh: PrimitiveMesh, at: Vector3, colour: Color) -> MeshInstance3D:
 	var shown := MeshInstance3D.new()
-	shown.mesh = BoxMesh.new()
-	shown.mesh.size = size
+	shown.mesh = mesh
+	shown.position = at
 	var material := StandardMaterial3D.new()
 	material.albedo_color = colour
 	material.roughness = 0.9
 	shown.material_override = material
-	body.add_child(shown)
-	add_child(body)
+	add_child(shown)
+	return shown
 
 
-func pillar(at: Vector3) -> void:
-	solid(Vector3(0.7, 3, 0.7), at + Vector3(0, 1.5, 0), Color(0.75, 0.72, 0.66))
+func box(size: Vector3, at: Vector3, colour: Color) -> MeshInstance3D:
+	var mesh := BoxMesh.new()
+	mesh.size = size
+	return solid(mesh, at, colour)
+
+
+func post(at: Vector3) -> void:
+	var mesh := CylinderMesh.new()
+	mesh.top_radius = 0.13
+	mesh.bottom_radius = 0.13
+	mesh.height = 1.1
+	solid(mesh, at + Vector3(0, 0.55, 0), Color(0.9, 0.62, 0.05)).create_convex_collision()
 
 
 func barrel(mesh: ArrayMesh, at: Vector3) -> void:
 	var body := RigidBody3D.new()
 	body.mass = 25
+	# It tips over the hood, not below the car.
+	body.center_of_mass_mode = RigidBody3D.CENTER_OF_MASS_MODE_CUSTOM
+	body.center_of_mass = Vector3(0, 0.6, 0)
 	body.position = at
 	var shape := CollisionShape3D.new()
 	shape.shape = CylinderShape3D.new()
@@ -115,7 +125,7 @@ func barrel(mesh: ArrayMesh, at: Vector3) -> void:
 	shown.name = "Mesh"
 	shown.mesh = mesh
 	var paint := StandardMaterial3D.new()
-	paint.albedo_color = Color(0.10, 0.32, 0.62)
+	paint.albedo_color = Color(0.75, 0.16, 0.04)
 	paint.metallic = 0.4
 	paint.roughness = 0.35
 	shown.material_override = paint
@@ -126,18 +136,28 @@ func barrel(mesh: ArrayMesh, at: Vector3) -> void:
 
 
 func surroundings() -> void:
-	solid(Vector3(60, 1, 60), Vector3(0, -0.5, 0), Color(0.36, 0.37, 0.38))
+	box(Vector3(200, 1, 200), Vector3(0, -0.5, 0), Color(0.2, 0.2, 0.21)).create_convex_collision()
+	for x in range(-20, 21, 5):
+		box(Vector3(0.12, 0.01, 5), Vector3(x + 2.5, 0, -1), Color(0.85, 0.85, 0.82))
+		post(Vector3(x - 0.4, 0, 2))
+	# A wall's corner, to back into.
+	box(Vector3(4, 2.6, 6), Vector3(5.4, 1.3, -11), Color(0.62, 0.58, 0.52)).create_convex_collision()
 	var sun := DirectionalLight3D.new()
-	sun.rotation_degrees = Vector3(-42, -55, 0)
-	sun.light_energy = 1.3
+	sun.rotation_degrees = Vector3(-42, -80, 0)
+	sun.light_energy = 1.4
+	sun.light_color = Color(1, 0.95, 0.88)
 	sun.shadow_enabled = true
 	sun.directional_shadow_max_distance = 30
 	add_child(sun)
 	var environment := Environment.new()
 	environment.background_mode = Environment.BG_SKY
 	environment.sky = Sky.new()
-	environment.sky.sky_material = ProceduralSkyMaterial.new()
-	environment.tonemap_mode = Environment.TONE_MAPPER_FILMIC
+	var sky := ProceduralSkyMaterial.new()
+	sky.ground_bottom_color = Color(0.12, 0.12, 0.13)
+	sky.ground_horizon_color = sky.sky_horizon_color
+	environment.sky.sky_material = sky
+	environment.tonemap_mode = Environment.TONE_MAPPER_ACES
+	environment.ssao_enabled = true
 	var world := WorldEnvironment.new()
 	world.environment = environment
 	add_child(world)

@@ -39,6 +39,15 @@ func test_a_gltf_file_brings_examples_and_blows() -> void:
 	scene.free()
 
 
+func test_a_quantised_gltf_file_is_imported() -> void:
+	var car: Node = load("res://assets/car.glb").instantiate()
+	t.same(car.get_child_count(), 43, "parts")
+	var normal: Vector3 = (car.get_node("roof") as MeshInstance3D).mesh.surface_get_arrays(0)[Mesh.ARRAY_NORMAL][0]
+	t.near(normal.length(), 1, 1e-3, "the length of a normal that was stored as shorts")
+	t.ok(normal.y > 0.5, "a normal of the roof, %s, is up" % normal)
+	car.free()
+
+
 func test_a_crumple_file_is_a_resource() -> void:
 	var examples := load("res://assets/sheet.crumple") as CrumpleExampleSet
 	t.ok(examples != null and examples.get_vertex_count() > 0, "it is an example set with vertices")
