@@ -11,6 +11,7 @@ use crate::example::rule::LearnedRule;
 use crate::example::set::{ExampleSet, deepest};
 use crate::mesh::Mesh;
 use crate::mesh::data::MeshData;
+use crate::mesh::mirror::Images;
 use glam::Vec3;
 use std::hash::Hasher;
 use std::sync::Arc;
@@ -32,7 +33,15 @@ impl ExampleSet {
         let even = BasisOptions { rounds: 0, ..BasisOptions::new(1.0) };
         let options = self.options().basis.unwrap_or(even);
         // No example moves held vertices, and what is carried ends there.
-        let (basis, report) = Basis::learn(self.mesh(), || self.fields(tasks), &self.rim().held, &options, tasks)?;
+        let (mesh, planes) = (self.mesh(), self.report().mirror_planes);
+        let images = Images {
+            planes,
+            positions: mesh.positions(),
+            weld: mesh.weld(),
+            index: self.index(),
+            bounds: mesh.bounds(),
+        };
+        let (basis, report) = Basis::learn(mesh, &images, || self.fields(tasks), &self.rim().held, &options, tasks)?;
         let nodes = self.node_mesh(basis.nodes(), tasks)?;
         let rule = LearnedRule::learn(&self.rule_source(&nodes), tasks)?;
         let mut hash = XxHash3_64::new();

@@ -8,6 +8,7 @@ use crate::base::error::{Error, positive};
 use crate::base::math::nearest_whole;
 use crate::base::tasks::{TaskSystem, map};
 use crate::mesh::Mesh;
+use crate::mesh::mirror::Images;
 use crate::mesh::nearest::VertexIndex;
 use glam::Vec3;
 
@@ -55,6 +56,7 @@ impl Basis {
     /// [`Error::InvalidArgument`] naming the option.
     pub(crate) fn learn(
         mesh: &Mesh,
+        images: &Images,
         fields: impl FnOnce() -> Vec<Vec<Vec3>>,
         held: &[u32],
         options: &BasisOptions,
@@ -65,7 +67,7 @@ impl Basis {
             0 => (mesh.positions().len() / VERTICES_A_NODE).max(LEAST_NODES),
             nodes => nodes,
         };
-        let mut nodes = spread(mesh, first);
+        let mut nodes = spread(mesh, first, images);
         let mut is_held = vec![false; mesh.positions().len()];
         held.iter().for_each(|v| is_held[*v as usize] = true);
         let report = |nodes: usize, rows: &Rows, worst: f32| BasisReport {
@@ -91,12 +93,13 @@ impl Basis {
             if !nodes.iter().any(moves)
                 && let Some(deepest) = free.max_by(|a, b| length(a).total_cmp(&length(b)).then(b.cmp(a)))
             {
-                nodes.push(mesh.weld()[deepest as usize]);
+                let deepest = mesh.weld()[deepest as usize];
+                nodes.extend(std::iter::once(deepest).chain(images.of(deepest)));
             }
         }
         nodes.sort_unstable();
         nodes.dedup();
-        let (nodes, rows, worst) = learned(mesh, nodes, (&fields, &is_held), options, tasks);
+        let (nodes, rows, worst) = learned((mesh, images), nodes, (&fields, &is_held), options, tasks);
         let report = report(nodes.len(), &rows, worst);
         Ok((Basis { nodes: nodes.into(), rows }, report))
     }
@@ -104,7 +107,7 @@ impl Basis {
 
 /// Adds nodes until the fields are met or the rounds are over. Returns the nodes, the rows and the largest error, m.
 fn learned(
-    mesh: &Mesh,
+    (mesh, images): (&Mesh, &Images),
     mut nodes: Vec<u32>,
     (fields, held): (&[&[Vec3]], &[bool]),
     options: &BasisOptions,
@@ -140,7 +143,7 @@ fn learned(
         if worst > options.tolerance {
             let nearest = |p: &Vec3| tree.several::<1>(*p).first().map_or(0.0, |(squared, _)| squared.sqrt());
             let distances: Vec<f32> = mesh.positions().iter().map(nearest).collect();
-            refine(mesh, &mut more, &errors, &distances, options.tolerance);
+            refine(mesh, &mut more, &errors, &distances, options.tolerance, images);
         }
         if more.len() == nodes.len() {
             let fitting = Fitting { slopes, ..fitting };

@@ -1,7 +1,9 @@
-//! Chooses the nodes: vertices spread evenly over the body, and more of them where fields are wrong.
+//! Chooses the nodes: vertices spread evenly over the body, and more of them where fields are wrong. A node's mirror images are nodes,
+//! so that mirrored examples fit them exactly.
 
 use crate::base::math::cells_around;
 use crate::mesh::Mesh;
+use crate::mesh::mirror::Images;
 use glam::{IVec3, Vec3};
 use std::collections::HashMap;
 
@@ -33,25 +35,34 @@ impl<'a> Spread<'a> {
             .any(|q| self.positions[*q as usize].distance_squared(p) < distance * distance)
     }
 
-    fn add(&mut self, v: u32) {
-        self.cells.entry(self.cell(v)).or_default().push(v);
+    /// Adds a vertex and its mirror images to the nodes, if none of them is within `distance` of a point that is there already, or of
+    /// another of them.
+    fn add(&mut self, v: u32, distance: f32, images: &Images, nodes: &mut Vec<u32>) {
+        let p = self.positions[v as usize];
+        let close = |w: u32| self.positions[w as usize].distance_squared(p) < distance * distance;
+        if self.is_near(v, distance) || images.of(v).any(|w| close(w) || self.is_near(w, distance)) {
+            return;
+        }
+        for w in std::iter::once(v).chain(images.of(v)) {
+            // Images in two planes may be one vertex.
+            if !self.is_near(w, 0.5 * distance) {
+                self.cells.entry(self.cell(w)).or_default().push(w);
+                nodes.push(w);
+            }
+        }
     }
 }
 
 /// Spreads at least `count` nodes evenly over the mesh, or all its positions if there are fewer. Ascending.
-pub(crate) fn spread(mesh: &Mesh, count: usize) -> Vec<u32> {
+pub(crate) fn spread(mesh: &Mesh, count: usize, images: &Images) -> Vec<u32> {
     let own: Vec<u32> = (0..mesh.weld().len() as u32).filter(|v| mesh.weld()[*v as usize] == *v).collect();
     let mut distance = mesh.bounds().diagonal() / 4.0;
     loop {
         let mut spread = Spread::new(mesh, distance);
         let mut nodes = Vec::new();
-        for v in &own {
-            if !spread.is_near(*v, distance) {
-                spread.add(*v);
-                nodes.push(*v);
-            }
-        }
+        own.iter().for_each(|v| spread.add(*v, distance, images, &mut nodes));
         if nodes.len() >= count.min(own.len()) {
+            nodes.sort_unstable();
             return nodes;
         }
         // On a surface the number grows by two thirds.
@@ -62,7 +73,14 @@ pub(crate) fn spread(mesh: &Mesh, count: usize) -> Vec<u32> {
 /// Adds nodes where vertices are wrong by more than `tolerance`, the worst first, none nearer to another new one than
 /// `spacing` times the distance from its nearest node. `errors` (m) and `distances` (m, from the nearest node) are those of all
 /// vertices. Returns the number of nodes added.
-pub(crate) fn refine(mesh: &Mesh, nodes: &mut Vec<u32>, errors: &[f32], distances: &[f32], tolerance: f32) -> usize {
+pub(crate) fn refine(
+    mesh: &Mesh,
+    nodes: &mut Vec<u32>,
+    errors: &[f32],
+    distances: &[f32],
+    tolerance: f32,
+    images: &Images,
+) -> usize {
     /// Of the distance from the nearest node.
     const SPACING: f32 = 1.2;
     let mut wrong: Vec<u32> = (0..errors.len() as u32)
@@ -73,11 +91,13 @@ pub(crate) fn refine(mesh: &Mesh, nodes: &mut Vec<u32>, errors: &[f32], distance
     let mut new = Spread::new(mesh, SPACING * longest);
     let before = nodes.len();
     for v in wrong {
-        if !new.is_near(v, SPACING * distances[v as usize]) {
-            new.add(v);
-            nodes.push(v);
-        }
+        let p = mesh.positions()[v as usize];
+        let apart = images.of(v).map(|w| mesh.positions()[w as usize].distance(p));
+        // Where a vertex and its image are nearer to each other, both are needed.
+        new.add(v, apart.fold(SPACING * distances[v as usize], f32::min), images, nodes);
     }
     nodes.sort_unstable();
+    // An image may have been a node.
+    nodes.dedup();
     nodes.len() - before
 }

@@ -3,7 +3,6 @@
 use crate::base::error::Error;
 use crate::base::tasks::TaskSystem;
 use crate::basis::field::NodeField;
-use crate::mesh::Mesh;
 use crate::mesh::mirror::Mirror;
 use crate::predict::{Blow, Body, Fields, Hit, Prediction, Predictor, Sample, Scratch, Strike};
 use glam::Vec3;
@@ -66,7 +65,8 @@ struct Recent {
 /// What a rule is learned from.
 #[derive(Clone, Copy)]
 pub(crate) struct Source<'a> {
-    pub mesh: &'a Mesh,
+    /// The base mesh, with the examples on it.
+    pub base: &'a MeshLod,
     /// The planes in which the body is symmetric.
     pub mirror: Mirror,
     pub examples: &'a [Example],
@@ -84,7 +84,7 @@ struct Points {
 
 impl Points {
     fn of(source: &Source<'_>) -> Self {
-        let (nodes, bounds) = (source.nodes, source.mesh.bounds());
+        let (nodes, bounds) = (source.nodes, source.base.mesh.bounds());
         let count = nodes.vertex_count();
         let held = if nodes.rim.is_open() { Vec::new() } else { (0..count as u32).map(|v| nodes.rim.at(v)).collect() };
         Points {
@@ -112,12 +112,16 @@ impl LearnedRule {
         let samples: Vec<Sample<'_>> = examples
             .iter()
             .zip(&fields)
-            .zip(sources(examples, &fields, points.centre, source.mesh.bounds().diagonal()))
+            .zip(sources(source, points.centre))
             .filter(|((e, _), _)| !e.is_empty())
             .map(|((e, field), simulation)| Sample {
                 contact: e.contact_point(),
                 // Not the one that was given with it: hits have the mesh's.
-                normal: source.mesh.contact_normal(e.contact_vertex()).unwrap_or(-e.contact_displacement() / e.depth()),
+                normal: source
+                    .base
+                    .mesh
+                    .contact_normal(e.contact_vertex())
+                    .unwrap_or(-e.contact_displacement() / e.depth()),
                 blow: Some(known_blow(e.blow())).filter(|b| b.velocity.or(b.impulse).is_some()),
                 field,
                 moved: Some(e.contact_displacement()),
@@ -199,16 +203,19 @@ impl LearnedRule {
 
 /// For each example the first of its simulation: images of one dent have the same depth, the same L2 and L4 norms, and the same distance from
 /// the body's centre.
-fn sources(examples: &[Example], fields: &[Vec<Vec3>], centre: Vec3, diagonal: f32) -> Vec<u32> {
+fn sources(source: &Source<'_>, centre: Vec3) -> Vec<u32> {
     /// Relative difference.
     const SAME: f64 = 1e-3;
-    let dent = |(e, field): (&Example, &Vec<Vec3>)| {
+    let diagonal = source.base.mesh.bounds().diagonal();
+    let dent = |(i, e): (usize, &Example)| {
+        // Nodes need not lie alike around all images.
+        let field = source.base.field(i);
         let squares = || field.iter().map(|u| f64::from(u.length_squared()));
         let norms = [squares().sum::<f64>().sqrt(), squares().map(|s| s * s).sum::<f64>().sqrt().sqrt()];
         let away = f64::from(e.contact_point().distance(centre) / diagonal);
         ([e.depth().into(), norms[0], norms[1]], away)
     };
-    let dents: Vec<([f64; 3], f64)> = examples.iter().zip(fields).map(dent).collect();
+    let dents: Vec<([f64; 3], f64)> = source.examples.iter().enumerate().map(dent).collect();
     let same = |(a, far): ([f64; 3], f64), (b, other): ([f64; 3], f64)| {
         a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME * a) && (far - other).abs() <= SAME
     };

@@ -346,7 +346,7 @@ impl ExampleSet {
 
     /// What a rule is learned from, with these nodes.
     pub(crate) fn rule_source<'a>(&'a self, nodes: &'a MeshLod) -> Source<'a> {
-        Source { mesh: self.mesh(), mirror: self.report.mirror_planes, examples: &self.examples, nodes }
+        Source { base: self.base_lod(), mirror: self.report.mirror_planes, examples: &self.examples, nodes }
     }
 
     /// Lets hits be predicted.

@@ -73,6 +73,28 @@ pub(crate) fn planes(positions: &[Vec3], index: &VertexIndex, bounds: &Aabb) -> 
     Mirror((0..3).map(|bit| 1 << bit).filter(|bits| has_extent(bounds, *bits) && maps(Mirror(*bits))).sum())
 }
 
+/// Where a symmetric body has the mirror images of its vertices.
+pub(crate) struct Images<'a> {
+    pub planes: Mirror,
+    pub positions: &'a [Vec3],
+    /// For each vertex the first at its position.
+    pub weld: &'a [u32],
+    pub index: &'a VertexIndex,
+    pub bounds: Aabb,
+}
+
+impl Images<'_> {
+    /// The vertices at the other images of a vertex; the first at each position. Strays have none.
+    pub(crate) fn of(&self, v: u32) -> impl Iterator<Item = u32> {
+        let (centre, near) = (centre(&self.bounds), TOLERANCE * self.bounds.diagonal());
+        let image = move |m: Mirror| {
+            let found = self.index.nearest(m.point(self.positions[v as usize], centre), self.positions)?;
+            (found.distance <= near).then(|| self.weld[found.vertex as usize]).filter(|w| *w != v)
+        };
+        self.planes.choices().skip(1).filter_map(image)
+    }
+}
+
 /// Whether the body has extent along an axis. Without extent it is its own mirror image, so every example would count
 /// twice.
 fn has_extent(bounds: &Aabb, bits: u8) -> bool {
