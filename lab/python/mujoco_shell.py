@@ -118,7 +118,7 @@ def _model(grid: Grid, material: Material, dt: float, ball_kg: float) -> mujoco.
 
 
 class Shell:
-    """One body at one quality; `shoot` and `press` start from the undamaged sheet every time."""
+    """One body at one quality."""
 
     def __init__(self, grid: Grid, material: Material, dt: float) -> None:
         self.grid, self.material, self.dt = grid, material, dt
@@ -139,9 +139,10 @@ class Shell:
     def inverted(self, field: Floats) -> int:
         return inverted(self.base, self.base + field, self.triangles)
 
-    def hit(self, impact: Impact) -> Outcome:
-        """Runs the hit and measures it; the sheet rests afterwards, the ball is gone."""
-        self._reset(impact.radius)
+    def hit(self, impact: Impact, worn: bool = False) -> Outcome:
+        """Runs the hit and measures it; the sheet rests afterwards, the ball is gone. It starts from the undamaged sheet, or from
+        what earlier hits left of it."""
+        self._reset(impact.radius, worn)
         started = time.thread_time()
         self._steps = self._unconverged = 0
         self._alive = True
@@ -158,8 +159,11 @@ class Shell:
         seconds = time.thread_time() - started
         return Outcome(field, seconds, self._steps * self.dt, self._steps, self._unconverged, settled)
 
-    def _reset(self, radius: float) -> None:
+    def _reset(self, radius: float, worn: bool = False) -> None:
+        left = (self.data.qpos.copy(), self.data.plastic.copy()) if worn else None
         mujoco.mj_resetData(self.model, self.data)
+        if left is not None:
+            self.data.qpos[:], self.data.plastic[:] = left
         geom = self.model.body("ball").geomadr[0]
         self.model.geom_size[geom, 0] = self.model.geom_rbound[geom] = radius
         self.model.geom_aabb[geom] = [0, 0, 0, radius, radius, radius]
@@ -181,11 +185,12 @@ class Shell:
     def _shoot(self, impact: Impact) -> None:
         """A free ball just off the sheet, until it has left or stands still."""
         data, direction = self.data, impact.direction
+        surface = data.flexvert_xpos.copy()
         normal = impact.normal if impact.normal @ direction < 0 else -direction
         centre = impact.point + normal * (impact.radius + 0.003)
         # A tilted ball must not start inside the curved sheet.
         for _ in range(400):
-            if np.linalg.norm(self.base - centre, axis=1).min() >= impact.radius + 0.0025:
+            if np.linalg.norm(surface - centre, axis=1).min() >= impact.radius + 0.0025:
                 break
             centre = centre - direction * 0.002
         data.qpos[self.ball_q] = centre

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 DATA = Path(__file__).resolve().parents[1] / "data"
 BODIES = {"shots": ("panel", "tube"), "presses": ("panel", "tube"), "structure": ("door", "box"), "steel": ("hood",), "dense": ("door", "box")}
-SETS = ("base", "train", "train_free", "heldout", "play", "sequences", "train_sequences", "repeat")
+SETS = ("base", "train", "train_free", "heldout", "play", "sequences", "train_sequences", "repeat", "wreck")
 # The steps of a stored displacement, m. The many hits of the dense truth are stored more coarsely.
 STEP, DENSE_STEP = 1e-5, 5e-5
 # Hits of the dense truth that leave less than this at the contact (m), or whose shell still moves faster (m/s), are left out.

@@ -11,6 +11,7 @@ mod combine;
 mod crash;
 #[cfg(feature = "gpu")]
 mod gpu;
+mod looks;
 mod machine;
 mod metric;
 #[cfg(feature = "engines")]
@@ -55,6 +56,8 @@ enum Part {
     Contacts(ContactsOptions),
     /// The paper's visual tests, classic beside ours
     Pictures(Options),
+    /// How dents look: normals, roughness, pictures; after one hit and after 64
+    Looks(Options),
     /// Time against the number of moved vertices and against threads
     Speed(Options),
     /// Fixed workloads beside references of the same run
@@ -108,6 +111,7 @@ fn main() -> Result<()> {
         #[cfg(feature = "engines")]
         Part::Contacts(options) => peers::contacts(&options.all, options.throws.as_deref(), options.check),
         Part::Pictures(options) => pictures::run(&options),
+        Part::Looks(options) => looks::run(&options),
         Part::Speed(options) => bench::speed(&options),
         Part::Bench(options) => bench::run(&options),
         #[cfg(feature = "gpu")]

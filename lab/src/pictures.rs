@@ -249,7 +249,8 @@ impl Scene {
     }
 }
 
-fn stacked(a: &Image, b: &Image) -> Image {
+/// One above the other.
+pub fn stacked(a: &Image, b: &Image) -> Image {
     Image { width: a.width, height: a.height + b.height, rgb: [a.rgb.as_slice(), &b.rgb].concat() }
 }
 

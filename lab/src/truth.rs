@@ -162,6 +162,15 @@ pub struct Repeat {
     pub after: Vec<Field>,
 }
 
+/// One body that is hit again and again.
+#[derive(Debug, Clone)]
+pub struct Wreck {
+    /// In order. What each alone would leave is not known: their fields are empty, their displacements 0.
+    pub impacts: Vec<Impact>,
+    /// The truth after so many of them.
+    pub after: Vec<(usize, Field)>,
+}
+
 /// A body with all that one truth knows about it.
 #[derive(Debug, Clone)]
 pub struct Body {
@@ -191,6 +200,8 @@ pub struct Body {
     pub train_sequences: Vec<Sequence>,
     /// Shots only.
     pub repeats: Vec<Repeat>,
+    /// For measuring only. Shots only.
+    pub wreck: Option<Wreck>,
 }
 
 impl Body {
@@ -218,6 +229,7 @@ impl Body {
             sequences: Vec::new(),
             train_sequences: Vec::new(),
             repeats: Vec::new(),
+            wreck: None,
             vertices,
         };
         body.train = body.impacts(&directory, "train")?;
@@ -227,6 +239,7 @@ impl Body {
                 body.sequences = body.padded_sequences(&directory, "sequences")?;
                 body.train_sequences = body.padded_sequences(&directory, "train_sequences")?;
                 body.repeats = body.read_repeats(&directory)?;
+                body.wreck = Some(body.read_wreck(&directory)?);
             }
             Truth::Presses => body.sequences = body.press_sequences(&directory)?,
             Truth::Structure => {
@@ -404,6 +417,27 @@ impl Body {
                 }
             })
             .collect())
+    }
+
+    fn read_wreck(&self, directory: &Path) -> Result<Wreck> {
+        let mut a = Archive::open(directory.join("wreck.npz"))?;
+        let strikers = balls(&a.floats("speed")?, &a.floats("radius")?, None);
+        let blows = self.blows(&mut a, strikers.len(), "")?;
+        let (points, directions) = (a.vectors("contact_point")?, a.vectors("direction")?);
+        let contacts = a.integers("contact_vertex")?;
+        let impact = |i: usize| Impact {
+            source: format!("{}_wreck_{i:02}", self.name),
+            contact_vertex: contacts[i] as u32,
+            point: points[i],
+            direction: directions[i],
+            displacement: [0.0; 3],
+            striker: strikers[i],
+            blow: blows[i],
+            field: Field::new(),
+        };
+        let after = a.integers("after")?.into_iter().map(|n| n as usize);
+        let fields = self.fields(&mut a, "fields_after")?;
+        Ok(Wreck { impacts: (0..strikers.len()).map(impact).collect(), after: after.zip(fields).collect() })
     }
 
     fn read_repeats(&self, directory: &Path) -> Result<Vec<Repeat>> {

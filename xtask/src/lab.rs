@@ -46,6 +46,7 @@ const PARTS: &[Part] = &[
     Part { measures: Some("peers"), script: Some("mujoco_peer.py"), ..part("peers") },
     Part { measures: Some("stability"), ..part("stability") },
     Part { measures: Some("pictures"), ..part("pictures") },
+    Part { measures: Some("looks"), ..part("looks") },
     Part { measures: Some("speed"), ..part("speed") },
     Part { measures: Some("scene"), ..part("scene") },
     Part { measures: Some("crash"), script: Some("film.py"), ..part("crash") },

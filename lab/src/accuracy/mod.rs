@@ -3,10 +3,10 @@
 //!
 //! Nothing here chooses anything: parameters come from the training impacts (cross-validation) or are the library's.
 
-mod law;
+pub mod law;
 pub mod learn;
 mod methods;
-mod radial;
+pub mod radial;
 pub mod told;
 
 use std::collections::BTreeSet;

@@ -3,7 +3,7 @@
 use anyhow::Result;
 use crumple::{Cause, Hit};
 
-use super::{Dice, Method, finite, random_hit, shots, without_blows};
+use super::{Dice, Method, deepest_example, finite, random_hit, shots, without_blows};
 use crate::Options;
 use crate::metric::{deepest, median};
 use crate::table::{Table, num};
@@ -31,7 +31,7 @@ pub fn run(options: &Options) -> Result<()> {
                 let fields = (0..seeds).map(|seed| {
                     let mut dice = Dice::new(seed);
                     let hit = |_| {
-                        let one = random_hit(&set, &mut dice, 1.0 / limit);
+                        let one = random_hit(&set, &mut dice, 1.0 / deepest_example(&set));
                         let Cause::Displacement(unit) = one.cause else {
                             unreachable!("random hits are displacements")
                         };

@@ -145,15 +145,20 @@ impl Dice {
     }
 }
 
-/// A hit at a random vertex, within about 40 degrees of the inward normal, `share` of the depth limit deep.
+/// A hit at a random vertex, within about 40 degrees of the inward normal, `share` of the deepest example deep.
 pub fn random_hit(set: &ExampleSet, dice: &mut Dice, share: f64) -> Hit {
     let mesh = set.mesh();
     let v = dice.index(set.vertex_count());
     let n = mesh.contact_normal(v as u32).map_or([0.0, 0.0, 1.0], |n| n.to_array());
     let aside = [0; 3].map(|_: i32| dice.between(-0.5, 0.5));
     let d = [0, 1, 2].map(|k| aside[k] - f64::from(n[k]));
-    let size = share * f64::from(set.depth_limit()) / (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
+    let size = share * deepest_example(set) / (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
     Hit::displacement(mesh.positions()[v].to_array(), d.map(|x| (size * x) as f32))
+}
+
+/// The longest displacement of all examples, m.
+pub fn deepest_example(set: &ExampleSet) -> f64 {
+    set.examples().iter().map(|e| e.max_depth()).fold(0.0, f32::max).into()
 }
 
 /// Of the bits of a field.
