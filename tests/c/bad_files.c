@@ -1,4 +1,4 @@
-// Files that are missing, cut short, or not what they say: bad_files GLB FOLDER
+// Paths, texts and bytes of files through the C interface: bad_files GLB FOLDER. tests/import_broken.rs has what files may say wrongly.
 #include "support.h"
 
 #include <crumple_import.h>
@@ -21,29 +21,11 @@ static unsigned char *slurp(const char *path, size_t *size) {
     return bytes;
 }
 
-// From memory of exactly this size, so that a read past its end is seen by valgrind and the sanitizers.
-static CrumpleResult load(const unsigned char *bytes, size_t size) {
-    CrumpleGltfDef def = crumple_gltf_def_default();
-    unsigned char *copy = malloc(size ? size : 1);
-    memcpy(copy, bytes, size);
-    memset(&set, 0xAB, sizeof set);
-    CrumpleResult result = crumple_example_set_load_gltf_memory(context, copy, size, &def, &set);
-    free(copy);
-    if (result == CRUMPLE_OK)
-        OK(crumple_example_set_destroy(context, set));
-    else {
-        FACT(keeps(&set, sizeof set));
-        FACT(result != CRUMPLE_ERROR_INTERNAL && strlen(crumple_last_error()) > 40);
-    }
-    return result;
-}
-
 static void gltf(const char *path, const char *folder) {
     CrumpleGltfDef def = crumple_gltf_def_default();
     CrumpleExampleSetInfo info;
     size_t size;
     unsigned char *bytes = slurp(path, &size);
-    unsigned refused = 0;
 
     OK(crumple_example_set_load_gltf_memory(context, bytes, size, &def, &set));
     OK(crumple_example_set_get_info(context, set, &info));
@@ -70,16 +52,12 @@ static void gltf(const char *path, const char *folder) {
                   crumple_example_set_load_gltf(context, &def, &set));
     def.nodes = "Pl?te\r\n";
     OK(crumple_example_set_load_gltf(context, &def, &set));
-    OK(crumple_example_set_find_part(context, set, "Plate", &part));
     OK(crumple_example_set_destroy(context, set));
     def.nodes = NULL;
     def.targets = "no such target";
     FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "no such target", set,
                   crumple_example_set_load_gltf(context, &def, &set));
     def.targets = NULL;
-    def.unit = 0;
-    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "unit", set, crumple_example_set_load_gltf(context, &def, &set));
-    def.unit = 1;
 
     // Choosing a mesh.
     def.mesh_name = "no such mesh";
@@ -100,43 +78,30 @@ static void gltf(const char *path, const char *folder) {
     def.path = "";
     FAILS_KEEPING(CRUMPLE_ERROR_IO, "crumple_example_set_load_gltf", set, crumple_example_set_load_gltf(context, &def, &set));
 
-    // Bytes: none, too few, others.
-    FACT(load(bytes, 0) == CRUMPLE_ERROR_FORMAT);
-    for (size_t cut = 1; cut < size; cut += 1 + size / 97) refused += load(bytes, cut) != CRUMPLE_OK;
-    FACT(refused >= 90);
-    const char *others[] = {"{}", "[1, 2", "not a model", "{\"asset\":{\"version\":\"2.0\"}}", "glTF"};
-    for (size_t i = 0; i < sizeof others / sizeof others[0]; ++i)
-        FACT(load((const unsigned char *)others[i], strlen(others[i])) != CRUMPLE_OK);
+    // Bytes: nothing behind the given size is read.
+    FAILS_KEEPING(CRUMPLE_ERROR_FORMAT, "the file is empty", set,
+                  crumple_example_set_load_gltf_memory(context, bytes, 0, &def, &set));
+    unsigned char *cut = malloc(size - 1);
+    memcpy(cut, bytes, size - 1);
+    FAILS_KEEPING(CRUMPLE_ERROR_FORMAT, "bytes", set, crumple_example_set_load_gltf_memory(context, cut, size - 1, &def, &set));
+    free(cut);
     FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "data", set,
                   crumple_example_set_load_gltf_memory(context, NULL, 10, &def, &set));
-
-    // Every byte of the header and of the JSON's beginning, and some beyond, changed.
-    for (size_t i = 0; i < size; i += i < 200 ? 1 : 1 + size / 199) {
-        unsigned char kept = bytes[i];
-        bytes[i] ^= 0x41;
-        (void)load(bytes, size);
-        bytes[i] = kept;
-    }
-    FACT(load(bytes, size) == CRUMPLE_OK);
     free(bytes);
 }
 
-static void obj(const char *glb, const char *folder) {
+static void obj(const char *folder) {
     CrumpleObjDef def = crumple_obj_def_default();
-    char base[1024], dent[1024], other[1024];
+    char base[1024], dent[1024];
     const char *paths[2] = {dent, NULL};
     FILE *file;
     snprintf(base, sizeof base, "%s/base.obj", folder);
     snprintf(dent, sizeof dent, "%s/dent.obj", folder);
-    snprintf(other, sizeof other, "%s/other.obj", folder);
     FACT((file = fopen(base, "w")) != NULL);
     fputs("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n", file);
     fclose(file);
     FACT((file = fopen(dent, "w")) != NULL);
     fputs("v 0 0 -0.1\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n", file);
-    fclose(file);
-    FACT((file = fopen(other, "w")) != NULL);
-    fputs("v 0 0 -0.1\nv 1 0 0\nv 1 1 0\nf 1 2 3\n", file);
     fclose(file);
 
     CrumpleExampleSetInfo info;
@@ -152,13 +117,8 @@ static void obj(const char *glb, const char *folder) {
 
     def.example_count = 2;
     FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "def.example_paths[1]", set, crumple_example_set_load_obj(context, &def, &set));
-    paths[1] = other;
-    FAILS_KEEPING(CRUMPLE_ERROR_EXAMPLE_MISMATCH, "other", set, crumple_example_set_load_obj(context, &def, &set));
     paths[1] = "no/such.obj";
     FAILS_KEEPING(CRUMPLE_ERROR_IO, "no/such.obj", set, crumple_example_set_load_obj(context, &def, &set));
-    paths[1] = glb;
-    memset(&set, 0xAB, sizeof set);
-    FACT(crumple_example_set_load_obj(context, &def, &set) != CRUMPLE_OK && keeps(&set, sizeof set));
     def.example_paths = NULL;
     FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "def.example_paths", set, crumple_example_set_load_obj(context, &def, &set));
     def.base_path = NULL;
@@ -182,7 +142,7 @@ int main(int argc, char **argv) {
         FAILS(CRUMPLE_ERROR_UNSUPPORTED, "gltf", crumple_example_set_load_gltf(context, &gltf_def, &set));
     }
     if (crumple_features() & CRUMPLE_FEATURE_OBJ)
-        obj(argv[1], argv[2]);
+        obj(argv[2]);
     else {
         obj_def.base_path = argv[1];
         FAILS(CRUMPLE_ERROR_UNSUPPORTED, "obj", crumple_example_set_load_obj(context, &obj_def, &set));

@@ -1,5 +1,5 @@
-// Everything wrong that can be said through the C interface: each has its result and its text, writes no output, and leaves the
-// context usable.
+// What only C can say wrongly: pointers, addresses, sizes, strides, ids, enumerators and texts. Of wrong values there is one of each kind,
+// since tests/bad_input.rs has the others. Each has its result and its text, writes no output, and leaves the context usable.
 #include "support.h"
 
 #include <crumple_contacts.h>
@@ -113,19 +113,7 @@ static void meshes(void) {
     BAD_SET(BUFFER_TOO_SMALL, "def.mesh.positions", mesh.vertex_count = UINT32_MAX);
     BAD_SET(BUFFER_TOO_SMALL, "def.mesh.positions", mesh.positions.stride = SIZE_MAX & ~(size_t)3);
     BAD_SET(INVALID_ARGUMENT, "past the end of memory", mesh.positions.size = SIZE_MAX);
-    // How far each vertex may move.
     static float limits[VERTICES];
-    static const struct { float depth_limit; const char *depth_text; float stiffness; const char *stiffness_text; } wrong[] = {
-        {NAN, "depth_limits[9] is NaN", NAN, "stiffness[9] is NaN"},
-        {-0.5f, "depth_limits[9] is -0.5", -0.5f, "stiffness[9] is -0.5"},
-        {-INFINITY, "depth_limits[9] is -inf", 1.5f, "stiffness[9] is 1.5"},
-    };
-    for (int i = 0; i < 3; ++i) {
-        limits[9] = wrong[i].depth_limit;
-        BAD_SET(INVALID_ARGUMENT, wrong[i].depth_text, mesh.depth_limits = input_of(limits, sizeof limits, 4));
-        limits[9] = wrong[i].stiffness;
-        BAD_SET(INVALID_ARGUMENT, wrong[i].stiffness_text, mesh.stiffness = input_of(limits, sizeof limits, 4));
-    }
     BAD_SET(BUFFER_TOO_SMALL, "def.mesh.depth_limits", mesh.depth_limits = input_of(limits, sizeof limits - 4, 4));
     BAD_SET(BUFFER_TOO_SMALL, "def.mesh.stiffness", mesh.stiffness = input_of(limits, sizeof limits - 4, 4));
     // Solids that dents must not enter.
@@ -134,15 +122,12 @@ static void meshes(void) {
     BAD(NULL_POINTER, "mesh is null", crumple_mesh_keep_out(NULL, &capsule, 1, NULL, 0, limits));
     BAD(NULL_POINTER, "capsules is null", crumple_mesh_keep_out(&sheet.mesh, NULL, 1, NULL, 0, limits));
     BAD(NULL_POINTER, "out_limits is null", crumple_mesh_keep_out(&sheet.mesh, &capsule, 1, NULL, 0, NULL));
-    BAD(MESH, "solid 1 has 1152 triangles and 96 open edges", crumple_mesh_keep_out(&sheet.mesh, &capsule, 1, &sheet.mesh, 1, limits));
     CrumpleMeshDef solid = sheet.mesh;
     solid.positions.data = NULL;
     solid.positions.size = 0;
     BAD(NULL_POINTER, "meshes[0].positions", crumple_mesh_keep_out(&sheet.mesh, NULL, 0, &solid, 1, limits));
     solid.struct_size = 0;
     BAD(STRUCT_SIZE, "meshes[0].struct_size is 0", crumple_mesh_keep_out(&sheet.mesh, NULL, 0, &solid, 1, limits));
-    capsule.radius = -1;
-    BAD(INVALID_ARGUMENT, "radius of solid 0", crumple_mesh_keep_out(&sheet.mesh, &capsule, 1, NULL, 0, limits));
     FACT(keeps(limits, sizeof limits));
     // Triangles.
     BAD_SET(INVALID_ARGUMENT, "multiple of 3", mesh.index_count -= 1);
@@ -152,29 +137,21 @@ static void meshes(void) {
     uint32_t kept = sheet.indices[7];
     sheet.indices[7] = VERTICES;
     BAD_SET(INDEX_OUT_OF_RANGE, "625", (void)0);
-    sheet.indices[7] = UINT32_MAX;
-    BAD_SET(INDEX_OUT_OF_RANGE, "4294967295", (void)0);
     sheet.indices[7] = kept;
     static uint16_t narrow[INDICES];
     for (int i = 0; i < INDICES; ++i) narrow[i] = (uint16_t)sheet.indices[i];
     BAD_SET(MISALIGNED, "def.mesh.indices.data", (mesh.index_type = CRUMPLE_INDEX_TYPE_U16, mesh.indices = input_of(crooked(narrow), sizeof narrow - 2, 2)));
     BAD_SET(MISALIGNED, "def.mesh.indices.stride is 3", (mesh.index_type = CRUMPLE_INDEX_TYPE_U16, mesh.indices = input_of(narrow, sizeof narrow, 3)));
     BAD_SET(BUFFER_TOO_SMALL, "def.mesh.indices", mesh.indices = input_of(narrow, sizeof narrow, 4));
-    // Numbers that are NaN, where this interface reads them.
+    // Numbers that are none, in an array, in options and in an example, and one out of range.
     float held = sheet.targets[0][80][0];
     sheet.targets[0][80][0] = NAN;
     BAD_SET(NOT_FINITE, "target_positions[80]", (void)0);
     sheet.targets[0][80][0] = held;
     BAD_SET(NOT_FINITE, "def.options.depth_limit", def.options.depth_limit = NAN);
     BAD_SET(NOT_FINITE, "contact_point", (example.contact_kind = CRUMPLE_CONTACT_KIND_POINT, example.contact_point.y = NAN));
-    BAD_SET(NOT_FINITE, "def.examples[0].impulse", example.impulse.x = NAN);
-    BAD_SET(NOT_FINITE, "def.examples[0].striker.velocity", example.striker.velocity.x = NAN);
-    BAD_SET(INVALID_ARGUMENT, "def.examples[0].duration is -1", example.duration = -1);
-    BAD_SET(INVALID_ARGUMENT, "def.examples[0].striker.mass is -3", example.striker.mass = -3);
     BAD_SET(NOT_FINITE, "contact_normal", (example.has_contact_normal = true, example.contact_normal.y = NAN));
-    // Options.
-    BAD_SET(INVALID_ARGUMENT, "def.options.depth_limit is -1", def.options.depth_limit = -1);
-    BAD_SET(INVALID_ARGUMENT, "def.options.basis_tolerance is -1", def.options.basis_tolerance = -1);
+    BAD_SET(INVALID_ARGUMENT, "def.examples[0].striker.mass is -3", example.striker.mass = -3);
     BAD_SET(INVALID_ARGUMENT, "def.options.vertex_mass is -2", def.options.vertex_mass = -2);
     static float masses[VERTICES];
     for (int v = 0; v < VERTICES; ++v) masses[v] = 1;
@@ -208,8 +185,6 @@ static void examples(void) {
     BAD_SET(BUFFER_TOO_SMALL, "def.examples[0].target_positions", example.target_positions.size -= 12); // another vertex count
     BAD_SET(INVALID_ARGUMENT, "name is not UTF-8", example.name = "\xc3(");
     BAD_SET(INVALID_ARGUMENT, "def.examples[0].contact_kind is 5", SET_ENUM(example.contact_kind, 5));
-    BAD_SET(EXAMPLE_MISMATCH, "625", (example.contact_kind = CRUMPLE_CONTACT_KIND_VERTEX, example.contact_vertex = VERTICES));
-    BAD_SET(EXAMPLE_MISMATCH, "contact normal has length 0", (example.has_contact_normal = true, example.contact_normal = vec3(0, 0, 0)));
     BAD_SET(INVALID_ARGUMENT, "needs the base mesh's normals", (example.target_normals = example.target_positions, mesh.normals = none));
     BAD_SET(INVALID_ARGUMENT, "one of the two forms", (example.delta_indices = input_of(indices, sizeof indices, 4), example.delta_count = 4));
 #define SPARSE(change)                                                                                                 \
@@ -272,7 +247,6 @@ static void infos(void) {
     memset(&distance, 0xAB, 4);
     BAD_KEEPING(NOT_FINITE, "point", vertex, crumple_example_set_find_nearest_vertex(context, set, vec3(0, NAN, 0), &vertex, &distance));
     FACT(keeps(&distance, 4));
-    BAD_KEEPING(NOT_FINITE, "point", lamp, crumple_example_set_attach_point(context, set, vec3(0, 0, -INFINITY), &lamp));
     OK(crumple_example_set_attach_point(context, set, vec3(0, 0, 0), &lamp));
     BAD_KEEPING(NULL_POINTER, "attachment is null", frame, crumple_instance_get_attached_pose(context, body, NULL, &frame));
     CrumpleAttachment zeroed;
@@ -280,9 +254,6 @@ static void infos(void) {
     BAD_KEEPING(INVALID_ARGUMENT, "weights sum to 0", frame, crumple_instance_get_attached_pose(context, body, &zeroed, &frame));
     lamp.vertices[1] = VERTICES;
     BAD_KEEPING(INDEX_OUT_OF_RANGE, "attachment", frame, crumple_instance_get_attached_pose(context, body, &lamp, &frame));
-    lamp.vertices[1] = 0;
-    lamp.weights[2] = NAN;
-    BAD_KEEPING(NOT_FINITE, "attachment", frame, crumple_instance_get_attached_pose(context, body, &lamp, &frame));
 
     memset(out, 0xAB, sizeof out);
     memset(triangles, 0xAB, sizeof triangles);
@@ -323,7 +294,6 @@ static void ids(void) {
     BAD(INVALID_ID, "null example set", crumple_example_set_destroy(context, null_set));
     BAD(INVALID_ID, "another context", crumple_example_set_destroy(context, foreign_set));
     BAD(INVALID_ID, "null buffer", crumple_buffer_unregister(context, null_buffer));
-    BAD(INVALID_ID, "null buffer", crumple_buffer_invalidate(context, null_buffer));
     BAD(INVALID_ID, "buffers[0]", crumple_context_deform(context, &null_buffer, 1, NULL));
     BAD_KEEPING(INVALID_ID, "def.set is the null example set", wrong, crumple_instance_create(context, &def, &wrong));
     def.set = foreign_set;
@@ -351,31 +321,15 @@ static void instances(void) {
     BAD_INSTANCE(INVALID_ARGUMENT, "def.rule is 3", SET_ENUM(def.rule, 3));
     BAD_INSTANCE(INVALID_ARGUMENT, "def.selection is 2", SET_ENUM(def.selection, 2));
     BAD_INSTANCE(INVALID_ARGUMENT, "capacity", def.mark_capacity = 0);
-    BAD_INSTANCE(INVALID_ARGUMENT, "capacity", def.mark_capacity = 65536);
     BAD_INSTANCE(INVALID_ARGUMENT, "def.depth_limit is -0.5", def.depth_limit = -0.5f);
-    BAD_INSTANCE(INVALID_ARGUMENT, "yield_impulse", def.yield_impulse = -1);
-    BAD_INSTANCE(INVALID_ARGUMENT, "yield_displacement", def.yield_displacement = -1);
-    BAD_INSTANCE(INVALID_ARGUMENT, "def.max_contact_distance", def.max_contact_distance = -1);
-    BAD_INSTANCE(INVALID_ARGUMENT, "blend", (def.rule = CRUMPLE_RULE_BLEND, def.blend_constant = 1.5f));
-    BAD_INSTANCE(INVALID_ARGUMENT, "selection", def.selection = CRUMPLE_SELECTION_CLASSIC_UNCLAMPED);
-    BAD_INSTANCE(INVALID_ARGUMENT, "transform", def.local_to_world[0] = def.local_to_world[5] = 0);
     BAD_INSTANCE(INVALID_ARGUMENT, "transpose", def.local_to_world[3] = 1);
-    BAD_INSTANCE(NOT_FINITE, "def.depth_limit", def.depth_limit = NAN);
     BAD_INSTANCE(NOT_FINITE, "def.yield_impulse", def.yield_impulse = NAN);
-    BAD_INSTANCE(NOT_FINITE, "def.yield_displacement", def.yield_displacement = NAN);
-    BAD_INSTANCE(NOT_FINITE, "def.max_contact_distance", def.max_contact_distance = NAN);
-    BAD_INSTANCE(NOT_FINITE, "def.blend_constant", def.blend_constant = NAN);
     BAD_INSTANCE(NOT_FINITE, "def.local_to_world", def.local_to_world[13] = NAN);
     BAD(NOT_FINITE, "depth_limit", crumple_instance_set_depth_limit(context, body, NAN));
     BAD(NOT_FINITE, "keep", crumple_instance_repair_damage(context, body, NAN));
-    BAD(INVALID_ARGUMENT, "depth_limit is -1", crumple_instance_set_depth_limit(context, body, -1));
-    BAD(INVALID_ARGUMENT, "keep", crumple_instance_repair_damage(context, body, -0.1f));
-    BAD(INVALID_ARGUMENT, "keep", crumple_instance_repair_damage(context, body, 1.1f));
     float matrix[17] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
     BAD(NULL_POINTER, "local_to_world", crumple_instance_set_transform(context, body, NULL));
     BAD(MISALIGNED, "local_to_world", crumple_instance_set_transform(context, body, crooked(matrix)));
-    matrix[10] = 0;
-    BAD(INVALID_ARGUMENT, "invertible", crumple_instance_set_transform(context, body, matrix));
     matrix[10] = NAN;
     BAD(NOT_FINITE, "local_to_world", crumple_instance_set_transform(context, body, matrix));
 }
@@ -398,22 +352,10 @@ static void hits(void) {
     BAD_IMPULSE(STRUCT_SIZE, "crumple_hit_def_default", def.struct_size += 4);
     BAD_IMPULSE(INVALID_ARGUMENT, "def.space is 2", SET_ENUM(def.space, 2));
     BAD_IMPULSE(INVALID_ARGUMENT, "def.kind is 2", SET_ENUM(def.kind, 2));
-    BAD_IMPULSE(INVALID_ARGUMENT, "duration", def.duration = 0);
-    BAD_IMPULSE(INVALID_ARGUMENT, "duration", def.duration = -0.1f);
     BAD_IMPULSE(INVALID_ARGUMENT, "def.mass is -1", def.mass = -1);
-    BAD_IMPULSE(INVALID_ARGUMENT, "mass", def.mass = 0); // and the set has none
-    BAD_IMPULSE(CONTACT_TOO_FAR, "max_contact_distance", def.point = vec3(0, 0, 5000));
     BAD_IMPULSE(CONTACT_TOO_FAR, "max_contact_distance", def.point = vec3(FLT_MAX, -FLT_MAX, FLT_MAX));
-    BAD_IMPULSE(NOT_FINITE, "def.point", def.point.x = NAN);
-    BAD_IMPULSE(NOT_FINITE, "def.impulse", def.impulse.y = NAN);
-    BAD_IMPULSE(NOT_FINITE, "def.duration", def.duration = NAN);
-    BAD_IMPULSE(NOT_FINITE, "def.mass", def.mass = NAN);
     BAD_IMPULSE(NOT_FINITE, "def.normal", def.normal.y = NAN);
-    BAD_IMPULSE(NOT_FINITE, "def.striker.velocity", def.striker.velocity.z = INFINITY);
-    BAD_IMPULSE(INVALID_ARGUMENT, "def.striker.mass is -1", def.striker.mass = -1);
-    BAD_IMPULSE(INVALID_ARGUMENT, "def.striker.radius is -2", def.striker.radius = -2);
-    push.displacement.z = NAN;
-    BAD_KEEPING(NOT_FINITE, "def.displacement", told, crumple_instance_submit_hit(context, body, &push, &told));
+    BAD_IMPULSE(NOT_FINITE, "def.point", (def.contact_id = 1, def.point.x = NAN));
     push = displacement_at(0, 0, 0.01f);
     push.struct_size = 0;
     BAD_KEEPING(STRUCT_SIZE, "crumple_hit_def_default", told, crumple_instance_submit_hit(context, body, &push, &told));
@@ -421,9 +363,6 @@ static void hits(void) {
 
     BAD(INVALID_ARGUMENT, "contact_id is 0", crumple_instance_end_contact(context, body, 0));
     BAD(NULL_POINTER, "context is null", crumple_instance_end_contact(NULL, body, 1));
-    BAD_IMPULSE(NOT_FINITE, "def.point", (def.contact_id = 1, def.point.x = NAN));
-
-    usable();
 }
 
 static void damage(void) {
@@ -472,20 +411,13 @@ static void damage(void) {
     OK(crumple_example_set_create(context, &def, &other_set));
     other = make_instance(context, other_set);
     FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "example set", crumple_instance_load_damage(context, other, bytes, size));
-    FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "example set", crumple_instance_copy_damage(context, other, body));
     // Mapped to a changed set.
     CrumpleDamageMapping mapping;
     memset(changed, 0xAB, sizeof changed);
-    FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "belongs to example set",
-          crumple_example_set_map_damage(context, set, other_set, bytes, size, 0, changed, sizeof changed, &size, &mapping));
-    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "max_distance",
-          crumple_example_set_map_damage(context, other_set, set, bytes, size, NAN, changed, sizeof changed, &size, &mapping));
     BAD(INVALID_ID, "null example set", crumple_example_set_map_damage(context, other_set, (CrumpleExampleSet){0}, bytes, size, 0, changed, sizeof changed, &size, NULL));
     FAILS(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "mapped has room for 95",
           crumple_example_set_map_damage(context, set, set, bytes, size, 0, changed, 95, &size, &mapping));
     FACT(size == 96 && keeps(changed, sizeof changed));
-    OK(crumple_example_set_map_damage(context, set, set, bytes, size, 0, changed, sizeof changed, &size, &mapping));
-    FACT(size == 96 && memcmp(bytes, changed, size) == 0 && mapping.kept == 2 && mapping.without_blows == 0);
     OK(crumple_example_set_map_damage(context, other_set, set, bytes, size, INFINITY, changed, sizeof changed, &size, &mapping));
     FACT(mapping.kept == 2 && mapping.moved + mapping.too_far + mapping.without_blows == 0 && mapping.distance == 0);
     OK(crumple_instance_load_damage(context, other, changed, size));
@@ -520,19 +452,13 @@ static void buffers(void) {
     BAD_BUFFER(NULL_POINTER, "def.normals.data is null", def.normals.data = NULL);
     BAD_BUFFER(MISALIGNED, "def.positions.data", def.positions.data = crooked(memory));
     BAD_BUFFER(MISALIGNED, "def.normals.offset is 10", def.normals.offset = 10);
-    BAD_BUFFER(MISALIGNED, "def.tangents.stride is 41", def.tangents.stride = 41);
     BAD_BUFFER(INVALID_ARGUMENT, "def.normals.stride is 0 bytes", def.normals.stride = 0);
-    BAD_BUFFER(INVALID_ARGUMENT, "def.tangents.stride is 12 bytes", def.tangents.stride = 12);
     BAD_BUFFER(BUFFER_TOO_SMALL, "def.tangents", def.tangents.size -= 1);
-    BAD_BUFFER(BUFFER_TOO_SMALL, "def.positions", def.positions.size = 0);
     BAD_BUFFER(BUFFER_TOO_SMALL, "def.positions", def.positions.offset = SIZE_MAX & ~(size_t)3);
     BAD_BUFFER(BUFFER_TOO_SMALL, "def.positions", def.positions.stride = SIZE_MAX & ~(size_t)3);
     BAD_BUFFER(INVALID_ARGUMENT, "def.normals and def.positions overlap", def.normals.offset = 8);
     BAD_BUFFER(INVALID_ARGUMENT, "def.normal_format is 2", def.normal_format = (CrumpleDirectionFormat)2);
     BAD_BUFFER(INVALID_ARGUMENT, "def.tangent_format is 7", def.tangent_format = (CrumpleDirectionFormat)7);
-    BAD_BUFFER(MISALIGNED, "def.normals.stride is 6",
-               def.normal_format = CRUMPLE_DIRECTION_FORMAT_OCTAHEDRAL; def.normals.stride = 6);
-    BAD_BUFFER(INVALID_ARGUMENT, "def.tangents and def.positions overlap", def.tangents.offset = 4);
     BAD_KEEPING(NULL_POINTER, "def is null", same, crumple_buffer_register_host(context, body, NULL, &same));
     FACT(keeps(memory, sizeof memory));
 

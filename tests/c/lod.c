@@ -47,15 +47,9 @@ static void levels(CrumpleContext *context) {
     CrumpleMeshDef def = every_second(), bad;
     uint32_t lod = 0;
     OK(crumple_example_set_create(context, &sheet.def, &set));
-    OK(crumple_example_set_get_info(context, set, &info));
-    FACT(info.lod_count == 1);
-    uint64_t bytes = info.memory_bytes;
-    bad = def;
-    bad.vertex_count = 0;
-    FAILS_KEEPING(CRUMPLE_ERROR_MESH, "vertex_count is 0", lod, crumple_example_set_add_lod(context, set, &bad, &lod));
     bad = def;
     bad.struct_size = 3;
-    FAILS(CRUMPLE_ERROR_STRUCT_SIZE, "crumple_mesh_def_default", crumple_example_set_add_lod(context, set, &bad, &lod));
+    FAILS_KEEPING(CRUMPLE_ERROR_STRUCT_SIZE, "crumple_mesh_def_default", lod, crumple_example_set_add_lod(context, set, &bad, &lod));
     bad = def;
     bad.positions.size = 100;
     FAILS(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "mesh.positions", crumple_example_set_add_lod(context, set, &bad, &lod));
@@ -63,7 +57,7 @@ static void levels(CrumpleContext *context) {
     OK(crumple_example_set_add_lod(context, set, &def, &lod));
     FACT(lod == 1);
     OK(crumple_example_set_get_info(context, set, &info));
-    FACT(info.lod_count == 2 && info.memory_bytes > bytes);
+    FACT(info.lod_count == 2);
 
     static float copy[COARSE_VERTICES][3];
     CrumpleMeshCopyDef mesh = crumple_mesh_copy_def_default();

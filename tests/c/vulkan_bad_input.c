@@ -1,4 +1,5 @@
-// Whatever an engine hands to the Vulkan calls by mistake gets an error that names it, changes nothing, and all goes on.
+// Whatever an engine hands to the Vulkan calls by mistake gets an error that names it, changes nothing, and all goes on. Layouts of
+// buffers that are refused are in tests/gpu/refusals.rs, other devices and recordings in tests/vulkan/errors.rs.
 #include "vulkan_support.h"
 
 #include <crumple_parts.h>
@@ -23,20 +24,6 @@ static void unattached(void) {
     FAILS(invalid, why, crumple_vulkan_get_pipeline_cache(context, NULL, 0, &size));
     FAILS(invalid, why, crumple_vulkan_detach(context));
 }
-
-// Every function that is taken from the loader.
-static const char *const FUNCTIONS[] = {
-    "vkGetDeviceProcAddr",        "vkGetPhysicalDeviceProperties", "vkGetPhysicalDeviceMemoryProperties",
-    "vkCreateBuffer",             "vkDestroyBuffer",               "vkGetPhysicalDeviceQueueFamilyProperties",
-    "vkAllocateMemory",           "vkFreeMemory",                  "vkGetBufferMemoryRequirements",
-    "vkBindBufferMemory",         "vkMapMemory",                   "vkFlushMappedMemoryRanges",
-    "vkCreateDescriptorSetLayout", "vkDestroyDescriptorSetLayout", "vkCreatePipelineLayout",
-    "vkDestroyPipelineLayout",    "vkCreateShaderModule",          "vkDestroyShaderModule",
-    "vkCreateComputePipelines",   "vkDestroyPipeline",             "vkCreatePipelineCache",
-    "vkDestroyPipelineCache",     "vkGetPipelineCacheData",        "vkCreateDescriptorPool",
-    "vkDestroyDescriptorPool",    "vkAllocateDescriptorSets",      "vkUpdateDescriptorSets",
-    "vkCmdCopyBuffer",            "vkCmdPipelineBarrier",          "vkCmdBindPipeline",
-    "vkCmdBindDescriptorSets",    "vkCmdPushConstants",            "vkCmdDispatch"};
 
 static void devices(void) {
     const CrumpleResult null = CRUMPLE_ERROR_NULL_POINTER, invalid = CRUMPLE_ERROR_INVALID_ARGUMENT;
@@ -65,13 +52,9 @@ static void devices(void) {
     REFUSED(CRUMPLE_ERROR_STRUCT_SIZE, "crumple_vulkan_attach_def_default");
     def.queue_family = UINT32_MAX; // as the default is
     REFUSED(invalid, "4294967295");
-    def.workgroup_size = 100;
-    REFUSED(invalid, "100");
 #undef REFUSED
-    for (size_t i = 0; i < sizeof FUNCTIONS / sizeof *FUNCTIONS; ++i) {
-        absent = FUNCTIONS[i];
-        FAILS(CRUMPLE_ERROR_UNSUPPORTED, absent, crumple_vulkan_attach(context, &good));
-    }
+    absent = "vkCmdDispatch";
+    FAILS(CRUMPLE_ERROR_UNSUPPORTED, absent, crumple_vulkan_attach(context, &good));
     absent = NULL;
 
     // Cached data of another driver, or cut short, is not used, and is no error.
@@ -97,8 +80,7 @@ static void devices(void) {
 }
 
 static void buffers(void) {
-    const CrumpleResult invalid = CRUMPLE_ERROR_INVALID_ARGUMENT, misaligned = CRUMPLE_ERROR_MISALIGNED,
-                        small = CRUMPLE_ERROR_BUFFER_TOO_SMALL;
+    const CrumpleResult invalid = CRUMPLE_ERROR_INVALID_ARGUMENT, small = CRUMPLE_ERROR_BUFFER_TOO_SMALL;
     const CrumpleVulkanBufferDef good = buffer_def(&vertices);
     CrumpleVulkanBufferDef def = good;
     CrumpleBuffer buffer;
@@ -117,53 +99,21 @@ static void buffers(void) {
     REFUSED(invalid, "VkBuffer");
     def.buffer_size = 0;
     REFUSED(invalid, "size");
-    def.usage = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT;
-    REFUSED(invalid, "STORAGE_BUFFER");
-    def.before_stages = 0;
-    REFUSED(invalid, "stages before");
-    def.after_stages = 0;
-    REFUSED(invalid, "stages after");
     def.lod = 3;
     REFUSED(CRUMPLE_ERROR_INDEX_OUT_OF_RANGE, "3");
 
-    // Ranges.
-    def.offset = GUARD + 2;
-    REFUSED(misaligned, "4098");
+    // A range and a stream that are too large, a format by its number, and a scale that is none.
     def.offset = UINT64_MAX - 3;
     REFUSED(small, "buffer");
-    def.offset = GUARD + GUARD + 4; // four bytes too far
-    REFUSED(small, "buffer");
-    def.size = RANGE - 4; // the last tangent lacks its last number
-    REFUSED(small, "tangent");
-    def.buffer_size = GUARD + RANGE - 4;
-    REFUSED(small, "buffer");
-
-    // Streams.
     def.positions = (CrumpleVulkanStream){0, 0, 0, 0};
     REFUSED(invalid, "positions");
-    def.positions.stride = STRIDE + 2;
-    REFUSED(misaligned, "position stride");
-    def.normals.offset = 13;
-    REFUSED(misaligned, "normal offset");
-    def.positions.stride = 0;
-    REFUSED(invalid, "position stride");
-    def.positions.stride = 8;
-    REFUSED(invalid, "position stride");
     def.tangents.offset = (uint64_t)1 << 40;
     REFUSED(small, "tangent");
-    def.normals.offset = 8; // into the position
-    REFUSED(invalid, "normal");
     def.positions.format = VK_FORMAT_R32G32_SFLOAT;
     REFUSED(invalid, "R32G32_SFLOAT");
-    def.normals.format = VK_FORMAT_R16G16B16A16_SFLOAT;
-    REFUSED(invalid, "R16G16B16A16_SFLOAT");
-    def.tangents.format = VK_FORMAT_R32G32B32_SFLOAT; // a tangent has four
-    REFUSED(invalid, "R32G32B32_SFLOAT");
     def.positions.format = 123456789;
     REFUSED(invalid, "123456789");
     def.positions.format = VK_FORMAT_R16G16B16A16_SNORM;
-    def.scale.y = 0;
-    REFUSED(invalid, "scale");
     def.scale.z = NAN;
     REFUSED(CRUMPLE_ERROR_NOT_FINITE, "scale");
     def.bias.x = INFINITY;

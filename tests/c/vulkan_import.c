@@ -40,11 +40,7 @@ int main(void) {
     OK(crumple_vulkan_detach(context));
     FAILS(CRUMPLE_ERROR_NULL_POINTER, "get_instance_proc_addr", crumple_vulkan_open(context, &own));
     own.get_instance_proc_addr = (CrumpleVulkanFunction)vkGetInstanceProcAddr;
-    memset(own.device_uuid, 0xEE, sizeof own.device_uuid);
-    FAILS(CRUMPLE_ERROR_UNSUPPORTED, "eeeeeeee", crumple_vulkan_open(context, &own));
     memcpy(own.device_uuid, ids.deviceUUID, sizeof own.device_uuid);
-    own.workgroup_size = 7;
-    FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "workgroup_size is 7", crumple_vulkan_open(context, &own));
     own.workgroup_size = 64;
     OK(crumple_vulkan_open(context, &own));
     FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "attached already", crumple_vulkan_attach(context, &theirs));
@@ -55,10 +51,6 @@ int main(void) {
                   crumple_vulkan_import_buffer(context, &bad, &imported));
     bad.handle = 1LL << 40;
     FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "open file descriptor", imported,
-                  crumple_vulkan_import_buffer(context, &bad, &imported));
-    bad = import;
-    bad.handle_type = CRUMPLE_HANDLE_TYPE_OPAQUE_WIN32;
-    FAILS_KEEPING(CRUMPLE_ERROR_UNSUPPORTED, "file descriptors", imported,
                   crumple_vulkan_import_buffer(context, &bad, &imported));
     bad = import;
     bad.memory_size = 64;
