@@ -1,11 +1,10 @@
 //! Frames in flight, secondary command buffers, other queue families, cached pipelines.
 
+use crumple::ExampleSet;
 use crumple::vulkan::{BufferDef, Device, RecordJob, Target, vk};
-use crumple::{ExampleSet, Instance};
 use std::sync::Arc;
 
 use crate::gpu::compare::Expected;
-use crate::gpu::frames::jobs;
 use crate::gpu::layout::TestLayout;
 use crate::gpu::{folded, hit};
 use crate::harness::{Engine, Tampered, families, on_each_device, tampered};
@@ -136,30 +135,6 @@ fn secondary_command_buffers_do() {
 }
 
 #[test]
-fn meshes_that_no_target_shows_are_uploaded_anew() {
-    on_each_device(|engine| {
-        let mut crumple = engine.crumple();
-        let set = scenes::sheet_set();
-        let layout = TestLayout::everything(&set, 0, 0);
-        let (seen, id) = engine.target_buffer(&mut crumple, layout.size);
-        for frame in 1..4 {
-            seen.poison();
-            let mut target = crumple.add_target(&set, &layout.def(id)).unwrap();
-            let mut instance = folded(&set, 3, frame);
-            let job = RecordJob { instance: &instance, target: &mut target };
-            // SAFETY: the command buffer is recording.
-            let report = engine.run(|c| unsafe { crumple.record(c, frame, &mut [job]) }).unwrap();
-            assert!(report.bytes_copied > 12 * set.vertex_count() as u64, "uploaded anew");
-            let mut wanted = Expected::poison(seen.words().len());
-            layout.expect(&mut instance, &mut wanted);
-            wanted.compare(seen.words(), &engine.tested, "again");
-            drop(target);
-            crumple.completed(frame);
-        }
-    });
-}
-
-#[test]
 fn pipelines_are_cached() {
     on_each_device(|engine| {
         let data = engine.crumple().pipeline_cache_data().unwrap();
@@ -168,54 +143,6 @@ fn pipelines_are_cached() {
             let def = crumple::vulkan::DeviceDef { pipeline_cache: data, ..engine.def() };
             // SAFETY: valid handles.
             assert_eq!(unsafe { crumple::vulkan::Device::new(&def) }.unwrap().recorded(), 0);
-        }
-    });
-}
-
-/// Measures what recording costs the CPU, for instances with one mark each that changes. It is not a test, since it depends on the
-/// machine. Run it in a release build: `cargo test --release --test vulkan -- --ignored --nocapture cost`.
-#[test]
-#[ignore = "a measurement"]
-fn recording_cost() {
-    let mesh = scenes::sheet(100);
-    let examples = scenes::bowls(&mesh, 5, 0.1, 1);
-    let set = scenes::build(mesh, examples, crumple::SetOptions::default());
-    on_each_device(|engine| {
-        for count in [1, 10, 100, 1000] {
-            let mut crumple = engine.crumple();
-            let size = TestLayout::everything(&set, 0, 0).size;
-            let layouts: Vec<TestLayout> = (0..count).map(|i| TestLayout::everything(&set, 0, i * size)).collect();
-            let (_, id) = engine.target_buffer(&mut crumple, count * size);
-            let mut instances: Vec<Instance> = (0..count).map(|i| folded(&set, 1, i)).collect();
-            let mut targets: Vec<Target> =
-                layouts.iter().map(|p| crumple.add_target(&set, &p.def(id)).unwrap()).collect();
-            let mut times = Vec::new();
-            let (mut blocks, mut frame) = (0, 0);
-            for round in 0..20 {
-                frame += 1;
-                let mut jobs = jobs(&instances, &mut targets);
-                let commands = engine.begin(vk::CommandBufferLevel::PRIMARY);
-                let start = std::time::Instant::now();
-                // SAFETY: the command buffer is recording.
-                let report = unsafe { crumple.record(commands, frame, &mut jobs) }.unwrap();
-                let took = start.elapsed();
-                engine.submit(commands, vk::Fence::null());
-                engine.wait();
-                crumple.completed(frame);
-                if round > 2 {
-                    times.push(took);
-                    blocks = report.blocks_written;
-                }
-                // One mark each, which changes.
-                for instance in &mut instances {
-                    let mut mark = instance.marks().unwrap()[0];
-                    mark.depth *= [0.9, 1.0 / 0.9][frame as usize % 2];
-                    instance.set_marks(&[mark]).unwrap();
-                }
-            }
-            times.sort();
-            let median = times[times.len() / 2].as_secs_f64() * 1e6;
-            println!("{}: {count} instances, {blocks} blocks: {median:.1} µs", engine.tested.name);
         }
     });
 }
