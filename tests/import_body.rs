@@ -204,25 +204,6 @@ fn what_is_rigid_glass_or_moves_is_said_by_patterns_and_by_extras() {
 }
 
 #[test]
-fn more_nodes_than_parts_are_joined_with_what_is_above_them() {
-    let mut glb = three();
-    let large = glb.floats("VEC3", &[0.5; 306]);
-    glb.push("meshes", json!({ "primitives": [{ "attributes": { "POSITION": large } }] }));
-    // A door with a handle below it, 62 further panels, and a loose screw.
-    let panels = (0..62).map(|i| json!({ "mesh": 2, "name": format!("panel {i}") }));
-    let nodes = [json!({ "mesh": 2, "name": "door", "children": [1] }), json!({ "mesh": 0, "name": "handle" })];
-    glb.json["nodes"] = nodes.into_iter().chain(panels).chain([json!({ "mesh": 1, "name": "screw" })]).collect();
-    let body = join(&glb, &[]).unwrap();
-    assert_eq!(body.parts.len(), 63);
-    let part = |name: &str| body.parts.iter().find(|part| part.name == name).unwrap();
-    let sizes = (part("door").vertex_count, part("others").vertex_count);
-    assert_eq!(sizes, (106, 106), "with the handle; a panel and the screw");
-    assert_eq!(body.parts.iter().map(|part| part.vertex_count as usize).sum::<usize>(), body.mesh.positions.len());
-    let told = "65 nodes have meshes, and a body has at most 63 parts: the 3 smallest";
-    assert!(body.notes[0].contains(told), "{:?}", body.notes);
-}
-
-#[test]
 fn targets_of_one_name_that_lie_apart_are_examples_of_their_own() {
     let mut glb = three();
     let names = |glb: &Glb| join(glb, &[]).unwrap().examples.into_iter().map(|e| e.name).collect::<Vec<_>>();

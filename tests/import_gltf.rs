@@ -347,23 +347,6 @@ fn primitives_that_share_accessors_share_vertices() {
 }
 
 #[test]
-fn lines_are_left_out_unless_the_mesh_has_nothing_else() {
-    let mut glb = square();
-    let lines = glb.indices(2, &[0, 1]);
-    let mut line = glb.json["meshes"][0]["primitives"][0].clone();
-    line["mode"] = 1.into();
-    line["indices"] = lines.into();
-    glb.json["meshes"][0]["primitives"].as_array_mut().unwrap().insert(0, line);
-    let imported = read(&glb);
-    assert_eq!((imported.primitives.len(), imported.primitives[0].primitive), (1, 1));
-    for p in glb.json["meshes"][0]["primitives"].as_array_mut().unwrap() {
-        p["mode"] = 0.into();
-    }
-    let points = read(&glb);
-    assert_eq!((points.mesh.positions.len(), points.mesh.triangles.len()), (4, 0), "both have the same accessors");
-}
-
-#[test]
 fn what_a_primitive_lacks_and_another_has_is_filled_in() {
     let mut glb = square();
     let tangents = glb.floats("VEC4", &[1., 0., 0., -1.].repeat(4));
@@ -523,28 +506,6 @@ fn a_skinned_mesh_stands_where_its_joints_place_it() {
         glb.json["skins"][0] = broken;
         assert_eq!(place(&glb), [70.0, 0.0, 0.0, 1.0], "a broken skin is none");
     }
-}
-
-#[test]
-fn other_units_axes_and_absolute_targets_are_noted() {
-    let with = |target: &[f32]| {
-        let mut glb = square();
-        let target = glb.floats("VEC3", target);
-        glb.json["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": target }]);
-        glb.json["meshes"][0]["extras"] = Value::Null;
-        read(&glb).notes.join(" ")
-    };
-    let noted =
-        |target: &[f32], part: &str| assert!(with(target).contains(part), "'{part}' is not in: {}", with(target));
-    assert_eq!(with(&[0., -0.5, 0., 0., 0., 0., 0., 0., 0., 0., 0., 0.]), "");
-    noted(&SQUARE.map(|x| 99.0 * x), "it is 100 times as large: is it in centimetres?");
-    // The positions themselves, with a dent at the first vertex.
-    let absolute: Vec<f32> = SQUARE.iter().enumerate().map(|(i, x)| x - if i == 1 { 0.2 } else { 0.0 }).collect();
-    noted(&absolute, "seem to hold positions instead of displacements");
-    noted(
-        &[0., -9.0, 0., 0., 0., 0., 0., 0., 0., 0., 0., 0.],
-        "moves a vertex by 9.000 m, more than the body's size of 1.414 m",
-    );
 }
 
 fn with_extras(extras: Value) -> Result<Imported, Error> {

@@ -40,6 +40,25 @@ fn sweep() {
     }
 }
 
+#[test]
+fn what_blender_wrote_stays_where_no_dent_reached() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures");
+    for (name, mesh) in [
+        ("two_materials.glb", "0"),
+        ("two_materials_sparse.glb", "0"),
+        ("seams.glb", "0"),
+        ("seams_sparse.glb", "0"),
+        ("nodes.glb", "1"),
+        ("nodes.glb", "2"),
+        ("animated.glb", "0"),
+        ("animated.glb", "2"),
+        ("separate/bent door.gltf", "0"),
+    ] {
+        let Swept { outcome, says, report, .. } = one(&folder.join(name), &["--mesh", mesh]);
+        assert!(report.moved > 0 && report.differences.is_empty(), "{name}: {outcome}, {says}: {report:?}");
+    }
+}
+
 fn gather(folder: &Path, files: &mut Vec<PathBuf>) {
     for path in std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()) {
         let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
