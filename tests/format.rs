@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use baked::{load_and_use, repair};
 use crumple::{
-    Blow, DeformJob, Deltas, Error, ErrorKind, ExampleData, ExampleSet, Hit, MeshData, Serial, SetOptions, Striker,
+    Blow, DeformJob, Deltas, Error, ErrorKind, ExampleData, ExampleSet, MeshData, Serial, SetOptions, Striker,
     ThreadPool, Tracker, VertexMass, VertexMemory,
 };
 use proptest::prelude::*;
@@ -406,20 +406,4 @@ proptest! {
         repair(&mut file);
         load_and_use(file);
     }
-}
-
-#[test]
-fn hits_on_a_loaded_set_are_those_of_its_maker_on_any_thread() {
-    let set = Arc::new(load(&scenes::cube_set().save().unwrap()).unwrap());
-    let made = scenes::cube_set();
-    std::thread::scope(|s| {
-        for seed in 0..3u64 {
-            let (set, made) = (set.clone(), made.clone());
-            s.spawn(move || {
-                let hits: Vec<Hit> = random_hits(&made, 20, seed);
-                let [a, b] = [made, set].map(|s| crumple::Instance::new(s, Default::default()).unwrap());
-                hits.iter().for_each(|h| assert_eq!(a.submit(h).unwrap(), b.submit(h).unwrap()));
-            });
-        }
-    });
 }

@@ -8,8 +8,8 @@ use std::sync::{Arc, Mutex};
 
 use crumple::glam::Vec3;
 use crumple::{
-    BasisOptions, Blow, Error, ExampleData, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, Mark, MeshData,
-    Serial, SetOptions, ThreadPool, map_damage,
+    BasisOptions, Blow, Error, ExampleData, ExampleSet, Hit, HitStatus, Mark, MeshData, Serial, SetOptions, ThreadPool,
+    map_damage,
 };
 use proptest::prelude::*;
 use scenes::{Dice, Output, build, displacements, new, relative_l2};
@@ -239,39 +239,6 @@ fn bad_marks_and_bodies_are_refused() {
     // Of a hit told as a blow, such a set has nothing to say.
     let (_, mapping) = map_damage(&set, &deaf, &body.save(), 0.0).unwrap();
     assert_eq!((mapping.kept, mapping.without_blows), (0, 1));
-}
-
-#[test]
-fn levels_of_detail_take_the_same_dent() {
-    let soft = Soft::new();
-    let mut set = ExampleSet::load_copy(&soft.set(20).save().unwrap(), &Serial).unwrap();
-    let lod = set.add_lod(scenes::sheet(11), &Serial).unwrap();
-    // Of the same body: a part of it, and the body itself.
-    let same = set.add_lod(soft.mesh.clone(), &Serial).unwrap();
-    let set = Arc::new(ExampleSet::load_copy(&set.save().unwrap(), &Serial).unwrap());
-    let mut body = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
-    body.submit(&hit(&set, 300, 200.0)).unwrap();
-    body.fold();
-    let show = |lod: usize| {
-        let mesh = set.lod_mesh(lod).unwrap();
-        let mut positions = vec![[0.0f32; 3]; mesh.positions().len()];
-        let mut tracker = crumple::Tracker::new();
-        let memory = crumple::VertexMemory::separate(&mut positions, None, None).unwrap();
-        crumple::deform(&mut [crumple::DeformJob { lod, instance: &body, tracker: &mut tracker, memory }], &Serial)
-            .unwrap();
-        positions
-    };
-    let base = show(0);
-    assert_eq!(show(same), base, "vertices at the same place move alike, bit for bit");
-    let (mut worst, mut deepest) = (0.0f32, 0.0f32);
-    for (p, now) in set.lod_mesh(lod).unwrap().positions().iter().zip(show(lod)) {
-        // The base mesh is fine enough that its nearest vertex tells the depth there.
-        let near = set.nearest_vertex(p.to_array()).unwrap();
-        let ought = Vec3::from(base[near.vertex as usize]) - set.mesh().positions()[near.vertex as usize];
-        worst = worst.max((Vec3::from(now) - *p).distance(ought) - 0.4 * near.distance);
-        deepest = deepest.max(ought.length());
-    }
-    assert!(worst < 0.05 * deepest, "{worst} of {deepest}");
 }
 
 proptest! {

@@ -4,7 +4,7 @@ mod scenes;
 
 use crumple::glam::Vec3;
 use crumple::*;
-use scenes::cube;
+use scenes::{Dice, cube};
 
 /// A sheet of `n` by `n` vertices on 1 m² from the origin on, facing +z.
 fn sheet(n: usize) -> MeshData {
@@ -41,19 +41,9 @@ fn shown_with_normals(body: &mut Instance) -> (Vec<Vec3>, Vec<Vec3>) {
     (positions.into_iter().map(Vec3::from).collect(), normals.into_iter().map(Vec3::from).collect())
 }
 
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f32 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 40) as f32 / (1u64 << 24) as f32
-    }
-
-    fn hit(&mut self) -> Hit {
-        let mut side = |size: f32| size * (2.0 * self.next() - 1.0);
-        let d = [side(0.3), side(0.3), side(0.6)];
-        Hit::displacement([self.next(), self.next(), 0.0], d)
-    }
+fn random_hit(dice: &mut Dice) -> Hit {
+    let d = [dice.between(-0.3, 0.3), dice.between(-0.3, 0.3), dice.between(-0.6, 0.6)];
+    Hit::displacement([dice.unit(), dice.unit(), 0.0], d)
 }
 
 const CAPSULE: ([f32; 3], [f32; 3], f32) = ([0.1, 0.2, -0.12], [0.9, 0.7, -0.06], 0.05);
@@ -76,7 +66,7 @@ fn kept_out() -> MeshData {
 #[test]
 fn no_vertex_enters_a_solid() {
     let mesh = kept_out();
-    let mut random = Random(1);
+    let mut dice = Dice::new(1);
     let mut entered_without = false;
     for rule in [Rule::Marks, Rule::MostDisplaced, Rule::Blend(0.3)] {
         let options = match rule {
@@ -87,7 +77,7 @@ fn no_vertex_enters_a_solid() {
         let mut held = Instance::new(body(mesh.clone()), options).unwrap();
         for _ in 0..100 {
             for _ in 0..200 {
-                let hit = random.hit();
+                let hit = random_hit(&mut dice);
                 free.submit(&hit).unwrap();
                 held.submit(&hit).unwrap();
             }
@@ -105,10 +95,9 @@ fn a_closed_mesh_keeps_out_as_its_solid() {
     let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
     cube.positions.iter().for_each(|p| (low, high) = (low.min(Vec3::from(*p)), high.max(Vec3::from(*p))));
     let solid = Solid::Mesh { positions: cube.positions, triangles: cube.triangles };
-    let mut random = Random(7);
-    let points: Vec<Vec3> = (0..500)
-        .map(|_| low + (high - low) * (2.0 * Vec3::new(random.next(), random.next(), random.next()) - 0.5))
-        .collect();
+    let mut dice = Dice::new(7);
+    let points: Vec<Vec3> =
+        (0..500).map(|_| low + (high - low) * (2.0 * Vec3::new(dice.unit(), dice.unit(), dice.unit()) - 0.5)).collect();
     let mut mesh = MeshData { positions: points.iter().map(|p| p.to_array()).collect(), ..MeshData::default() };
     let report = mesh.keep_out(std::slice::from_ref(&solid), &Serial).unwrap();
     let mut inside = 0;
@@ -237,9 +226,9 @@ fn files_seams_levels_and_simd_keep_the_bits() {
             level.force().unwrap();
             for lod in 0..2 {
                 let body = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
-                let mut random = Random(3);
+                let mut dice = Dice::new(3);
                 for _ in 0..50 {
-                    body.submit(&random.hit()).unwrap();
+                    body.submit(&random_hit(&mut dice)).unwrap();
                 }
                 let mut positions = vec![[0.0; 3]; 2 * n];
                 let memory = VertexMemory::separate(&mut positions, None, None).unwrap();
@@ -291,10 +280,10 @@ fn skins_that_move_alike_hardly_cross() {
     let anchored = examples(&mesh);
     let set = ExampleSet::build(mesh, anchored, SetOptions::default(), &Serial).unwrap();
     let mut body = Instance::new(std::sync::Arc::new(set), InstanceOptions::default()).unwrap();
-    let mut random = Random(5);
+    let mut dice = Dice::new(5);
     for _ in 0..100 {
         for _ in 0..20 {
-            body.submit(&random.hit()).unwrap();
+            body.submit(&random_hit(&mut dice)).unwrap();
         }
         let all = shown(&mut body);
         let closest = (0..n).map(|v| (all[v] - all[n + v]).z).fold(f32::INFINITY, f32::min);

@@ -696,20 +696,6 @@ proptest! {
     }
 
     #[test]
-    fn positions_do_not_depend_on_what_else_is_asked_for(body in any_body(), seed in any::<u64>(), hits in 1usize..20) {
-        let (_, set) = body;
-        let mut instance = new(set);
-        for hit in random_hits(set, hits, seed) {
-            instance.submit(&hit).unwrap();
-        }
-        let all = Output::fresh(&mut instance);
-        let mut positions = vec![[0.0; 3]; set.vertex_count()];
-        let memory = VertexMemory::separate(&mut positions, None, None).unwrap();
-        instance.deform(&mut Tracker::new(), memory, &Serial).unwrap();
-        prop_assert_eq!(positions, all.positions);
-    }
-
-    #[test]
     fn the_classic_rules_write_their_changes_too(body in any_body(), seed in any::<u64>(), k in 0.0f32..=1.0) {
         let (_, set) = body;
         let mut dice = Dice::new(seed);
@@ -1088,69 +1074,6 @@ fn quick_n_equal_hits_are_deeper_by_the_power_until_the_limit() {
             assert!((is - ought).abs() <= 0.02 * ought, "{name}, {n} hits: {is}, not {ought}");
         }
     }
-}
-
-/// A fine sheet with three bowls a twentieth of it wide.
-fn wide_sheet() -> Arc<ExampleSet> {
-    let mesh = scenes::sheet(60);
-    let examples = scenes::bowls(&mesh, 3, 0.1, 1);
-    scenes::build(mesh, examples, SetOptions { depth_limit: Some(10.0), ..SetOptions::default() })
-}
-
-#[test]
-fn quick_different_marks_at_one_contact_add_their_energies() {
-    let set = wide_sheet();
-    let contact = base(&set, 1800);
-    let mut instance = new(&set);
-    let depths = [0.02f32, 0.03, 0.011];
-    for depth in depths {
-        instance.submit(&push(contact, [0.0, 0.0, -depth])).unwrap();
-    }
-    assert_eq!(instance.marks().unwrap().len(), 3);
-    let ought = depths.iter().map(|d| f64::from(*d).powf(2.4)).sum::<f64>().powf(1.0 / 2.4);
-    let is = -f64::from(Output::fresh(&mut instance).positions[1800][2]);
-    assert!((is / ought - 1.0).abs() < 1e-2, "{is}, not {ought}");
-}
-
-#[test]
-fn quick_overlapping_neighbours_do_not_depend_on_order() {
-    let set = wide_sheet();
-    let at = |x: f32| push([x, 0.01, 0.0], [0.0, 0.0, -0.02 - 0.3 * x.abs()]);
-    let hits = [at(-0.06), at(-0.02), at(0.0), at(0.03), at(0.0), at(0.07)];
-    let after = |order: &[usize], each: bool| {
-        let mut instance = new(&set);
-        for i in order {
-            instance.submit(&hits[*i]).unwrap();
-            if each {
-                instance.fold();
-            }
-        }
-        Output::fresh(&mut instance).all_bits()
-    };
-    let once = after(&[0, 1, 2, 3, 4, 5], false);
-    for order in [[0, 1, 2, 3, 4, 5], [5, 4, 3, 2, 1, 0], [2, 5, 0, 4, 1, 3], [3, 2, 4, 1, 5, 0]] {
-        assert!(after(&order, true) == once, "{order:?}");
-    }
-}
-
-#[test]
-fn quick_a_mark_far_away_changes_nothing() {
-    let set = wide_sheet();
-    let (near, far) = (push([-0.3, 0.0, 0.0], [0.0, 0.0, -0.03]), push([0.3, 0.1, 0.0], [0.0, 0.0, -0.04]));
-    let mut instance = new(&set);
-    for _ in 0..3 {
-        instance.submit(&near).unwrap();
-    }
-    let mut out = Output::new(&set);
-    out.update(&mut instance);
-    let alone = out.all_bits();
-    instance.submit(&far).unwrap();
-    let report = out.update(&mut instance);
-    assert!(report.blocks_skipped > report.blocks_written, "{report:?}");
-    for v in (0..set.vertex_count()).filter(|v| base(&set, *v)[0] < 0.0) {
-        assert_eq!(out.bits(v), alone[v]);
-    }
-    assert!(out.all_bits() != alone);
 }
 
 fn length3(v: [f32; 3]) -> f32 {

@@ -7,7 +7,7 @@ use crumple::{
     Error, Instance, InstanceOptions, Mapping, Rule, Serial, ThreadPool, fold_all, load_all, map_damage, save_all,
 };
 use proptest::prelude::*;
-use scenes::{Body, Dice, Output, new, push, random_hit};
+use scenes::{Body, Dice, Output, new, random_hit};
 
 fn bodies() -> &'static [Body] {
     static BODIES: std::sync::OnceLock<Vec<Body>> = std::sync::OnceLock::new();
@@ -102,18 +102,6 @@ proptest! {
             prop_assert!(new.iter_mut().all(|i| i.save() == Instance::new(i.example_set().clone(), *i.options()).unwrap().save()));
         }
     }
-}
-
-#[test]
-fn quick_damage_of_another_set_or_rule_is_refused() {
-    let set = scenes::sheet_set();
-    let mut body = new(&set);
-    assert_eq!(body.revision(), 0);
-    body.submit(&push([0.3, 0.4, 0.0], [0.0, 0.0, -0.02])).unwrap();
-    let saved = body.save();
-    assert!(mismatch(new(&scenes::ball_set()).load(&saved)).contains("example set"));
-    let mut classic = Instance::new(set, InstanceOptions::classic(Rule::MostDisplaced)).unwrap();
-    assert!(mismatch(classic.load(&saved)).contains("kind 1"));
 }
 
 /// A sheet of `n` by `n` cells, with bowls whose names do not depend on the mesh.
