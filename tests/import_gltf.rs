@@ -124,19 +124,6 @@ fn deltas_are_what_the_artist_modelled() {
 }
 
 #[test]
-fn sparse_and_dense_exports_are_the_same_examples() {
-    let [full, thin] = ["two_materials.glb", "two_materials_sparse.glb"].map(blender);
-    assert_eq!(full.mesh, thin.mesh);
-    for (a, b) in full.examples.iter().zip(&thin.examples) {
-        // Blender's sparse export drops displacements that it rounds to zero.
-        for (x, y) in dense(&a.positions, 90).iter().flatten().zip(dense(&b.positions, 90).iter().flatten()) {
-            assert!((x - y).abs() < 1e-6, "{x} {y}");
-        }
-        assert_eq!(a.contact, b.contact);
-    }
-}
-
-#[test]
 fn impacts_come_from_custom_properties() {
     let plate = blender("two_materials.glb");
     let [left, middle] = &plate.examples[..] else { panic!("two examples") };
@@ -279,20 +266,6 @@ fn sparse_accessors_over_zeros_and_over_a_base() {
 }
 
 #[test]
-fn interleaved_and_offset_attributes() {
-    let mut glb = square();
-    let interleaved: Vec<f32> =
-        SQUARE.chunks(3).zip(UP.chunks(3)).flat_map(|(p, n)| [[7.0].as_slice(), p, n].concat()).collect();
-    let view = glb.view(&bytes(&interleaved));
-    glb.json["bufferViews"][view]["byteStride"] = 28.into();
-    for (accessor, offset) in [(0, 4), (1, 16)] {
-        glb.json["accessors"][accessor]["bufferView"] = view.into();
-        glb.json["accessors"][accessor]["byteOffset"] = offset.into();
-    }
-    assert_eq!(read(&glb), read(&square()));
-}
-
-#[test]
 fn index_widths_strips_fans_and_no_indices() {
     for width in [1, 2, 4] {
         let mut glb = square();
@@ -344,49 +317,6 @@ fn primitives_that_share_accessors_share_vertices() {
     assert_eq!(firsts, [(0, 4, 0), (0, 4, 2), (4, 4, 3)]);
     assert_eq!(imported.mesh.triangles[2], [0, 1, 2]);
     assert_eq!(sparse(&imported.examples[0].positions).0, [0, 2, 5, 7]);
-}
-
-#[test]
-fn what_a_primitive_lacks_and_another_has_is_filled_in() {
-    let mut glb = square();
-    let tangents = glb.floats("VEC4", &[1., 0., 0., -1.].repeat(4));
-    glb.json["meshes"][0]["primitives"][0]["attributes"]["TANGENT"] = tangents.into();
-    // Beside the first, in the plane of x and y; it has one target of two.
-    let wall = glb.floats("VEC3", &[5., 0., 0., 6., 0., 0., 6., 1., 0., 5., 1., 0.]);
-    let indices = glb.indices(2, &[0, 1, 2, 0, 2, 3]);
-    let bare = json!({ "attributes": { "POSITION": wall }, "indices": indices, "targets": [{ "POSITION": 3 }] });
-    glb.json["meshes"][0]["primitives"].as_array_mut().unwrap().push(bare);
-    let Imported { mesh, examples, .. } = read(&glb);
-    assert_eq!(mesh.normals.unwrap(), [[[0., 1., 0.]; 4], [[0., 0., 1.]; 4]].concat());
-    let tangents = mesh.tangents.unwrap();
-    assert_eq!(tangents[..4], [[1., 0., 0., -1.]; 4]);
-    assert!(tangents[4..].iter().all(|t| t[2] == 0.0 && t[3] == 1.0), "{tangents:?}");
-    assert_eq!(sparse(&examples[1].positions).0, [1, 3], "a primitive without the target does not move");
-    assert_eq!(examples[0].normals, None, "one primitive moves without normal deltas");
-    // Normal deltas of zero are as none: exporters write them.
-    let mut glb = square();
-    let zeros = glb.floats("VEC3", &[0.0; 12]);
-    assert!(read(&glb).examples[0].normals.is_some());
-    glb.json["meshes"][0]["primitives"][0]["targets"][0]["NORMAL"] = zeros.into();
-    assert_eq!(read(&glb).examples[0].normals, None);
-}
-
-#[test]
-fn normals_and_tangents_that_are_none_are_computed_and_noted() {
-    let mut glb = square();
-    let tangents = glb.floats("VEC4", &[&[1., 0., 0., 1.].repeat(3)[..], &[f32::NAN, 0., 0., 1.]].concat());
-    let normals = glb.floats("VEC3", &[&UP[..6], &[0.0; 3], &[0.0, f32::INFINITY, 0.0]].concat());
-    let attributes = &mut glb.json["meshes"][0]["primitives"][0]["attributes"];
-    (attributes["TANGENT"], attributes["NORMAL"]) = (tangents.into(), normals.into());
-    let Imported { mesh, notes, .. } = read(&glb);
-    assert_eq!(mesh.normals.unwrap(), [[0., 1., 0.]; 4]);
-    assert_eq!(mesh.tangents.unwrap(), [[1., 0., 0., 1.]; 4], "a neighbour's");
-    let told = |what: &str| {
-        format!(
-            "{what} have no length or are no numbers and were computed anew; the first is in mesh 0 'Square', primitive 0"
-        )
-    };
-    assert_eq!(notes[..2], [told("2 of 4 normals"), told("1 of 4 tangents")]);
 }
 
 #[test]

@@ -118,51 +118,6 @@ fn mesh_error<T: std::fmt::Debug>(result: Result<T, Error>) -> String {
 }
 
 #[test]
-fn stiffness_scales_and_limits_cut() {
-    let mut mesh = sheet(33);
-    let free = body(mesh.clone());
-    mesh.stiffness = Some(mesh.positions.iter().map(|p| if p[0] < 0.5 { 0.25 } else { 0.0 }).collect());
-    mesh.depth_limits = Some(mesh.positions.iter().map(|p| if p[1] < 0.5 { 0.0625 } else { f32::INFINITY }).collect());
-    let held = body(mesh.clone());
-    assert_ne!(free.fingerprint(), held.fingerprint());
-    let base: Vec<Vec3> = mesh.positions.iter().map(|p| Vec3::from(*p)).collect();
-    let hit = Hit::displacement([0.7, 0.6, 0.0], [0.06, 0.0, -0.2]);
-    let (mut free, mut held) = (
-        Instance::new(free, InstanceOptions::default()).unwrap(),
-        Instance::new(held, InstanceOptions::default()).unwrap(),
-    );
-    free.submit(&hit).unwrap();
-    held.submit(&hit).unwrap();
-    let (free, now) = (shown(&mut free), shown(&mut held));
-    let mut cut = 0;
-    for v in 0..base.len() {
-        let u = free[v] - base[v];
-        let give = if base[v].x < 0.5 { 0.75 } else { 1.0 };
-        let limit = if base[v].y < 0.5 { 0.0625 } else { f32::INFINITY };
-        let expected = if u.length() * give > limit { u * (limit / u.length()) } else { u * give };
-        cut += usize::from(u.length() * give > limit);
-        assert!((now[v] - base[v]).distance(expected) < 1e-6, "{v}");
-    }
-    assert!(cut > 10);
-    let limited = held.preview(&Hit::displacement([0.7, 0.3, 0.0], [0.0, 0.0, -0.2])).unwrap();
-    assert!(limited.clamped && Vec3::from(limited.achieved).length() <= 0.0626, "{limited:?}");
-}
-
-#[test]
-fn a_vertex_that_cannot_move_is_rigid() {
-    for stiff in [false, true] {
-        let mut mesh = sheet(33);
-        let n = mesh.positions.len();
-        (mesh.depth_limits, mesh.stiffness) =
-            if stiff { (None, Some(vec![1.0; n])) } else { (Some(vec![0.0; n]), None) };
-        let mut body = Instance::new(body(mesh.clone()), InstanceOptions::default()).unwrap();
-        let outcome = body.submit(&Hit::displacement([0.5, 0.5, 0.0], [0.0, 0.0, -0.1])).unwrap();
-        assert_eq!(outcome.status, HitStatus::Rigid);
-        assert!(shown(&mut body).iter().zip(&mesh.positions).all(|(a, b)| a.to_array() == *b));
-    }
-}
-
-#[test]
 fn normals_of_vertices_that_cannot_move_stay() {
     // Around each dent lie vertices whose displacement is 0 and whose normal turns, since their triangles tilt.
     for rule in [Rule::Marks, Rule::MostDisplaced] {

@@ -170,25 +170,6 @@ fn normals_of_a_level_turn_as_the_surface_does() {
 }
 
 #[test]
-fn a_far_coarser_collision_proxy_is_dented_too() {
-    let mesh = cube(12);
-    let set = with_lods(mesh.clone(), bowls(&mesh, 6, 0.8, 2), options(None), &[cube(2)]);
-    assert_eq!(set.report().lods[0].vertices, cube(2).positions.len());
-    let mut body = dented(&set, &[push([0.5, 0.0, 0.0], [-0.1, 0.0, 0.0])]);
-    let (base, proxy) = (Level::of(&mut body, 0), Level::of(&mut body, 1));
-    let rest = cube(2).positions;
-    let moved = |now: &[[f32; 3]], rest: &[[f32; 3]], at: [f32; 3]| {
-        let v = rest.iter().position(|q| *q == at).expect("a vertex there");
-        length([0, 1, 2].map(|k| now[v][k] - at[k]))
-    };
-    for at in &rest {
-        let (a, b) = (moved(&base.positions, &mesh.positions, *at), moved(&proxy.positions, &rest, *at));
-        assert!((a - b).abs() < 1e-6, "at {at:?}: {a}, {b}");
-    }
-    assert!(moved(&proxy.positions, &rest, [0.5, 0.0, 0.0]) > 0.05);
-}
-
-#[test]
 fn only_dirty_blocks_of_a_level_are_written() {
     let mesh = sheet(24);
     let set = with_lods(mesh.clone(), bowls(&mesh, 6, 0.15, 2), options(None), &[sheet(80), sheet(12)]);

@@ -1004,19 +1004,6 @@ fn quick_energy_stops_at_its_greatest_value() {
     check_bounded(&mut instance).unwrap();
 }
 
-#[test]
-fn quick_marks_of_other_depth_at_one_place_are_marks_of_their_own() {
-    let set = scenes::sheet_set();
-    let mut instance = new(&set);
-    let depth = set.depth_limit();
-    for size in [0.2, 0.3, 0.2] {
-        instance.submit(&push(base(&set, 300), [0.0, 0.0, -size * depth])).unwrap();
-    }
-    let marks = instance.marks().unwrap();
-    assert_eq!(marks.iter().map(|m| m.energy).collect::<Vec<_>>(), [2 * Mark::ONE, Mark::ONE]);
-    assert!(marks[0].depth < marks[1].depth);
-}
-
 /// A body made in other units dents in the same way: no constant of the model is a length.
 #[test]
 fn a_body_dents_alike_in_any_unit() {

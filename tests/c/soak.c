@@ -4,31 +4,11 @@
 //
 // It fails if the memory grows, or if a body's vertices are not those that a new body gets from its marks. It prints how long hits
 // and frames took. `cargo xtask soak` runs it.
-#include "aligned.h"
+#include "heap.h"
 #include "support.h"
 #include "times.h"
 
-#include <crumple_host.h>
-
 enum { MOST_BODIES = 1000 };
-
-// --- Memory, counted by the host's allocator where the build has one.
-
-static size_t bytes;
-
-static void *host_alloc(size_t size, size_t align, void *user) {
-    (void)user;
-    void *memory = aligned_memory(size, align);
-    if (!memory) return NULL;
-    bytes += size;
-    return memory;
-}
-
-static void host_free(void *pointer, size_t size, size_t align, void *user) {
-    (void)align, (void)user;
-    bytes -= size;
-    free_aligned(pointer);
-}
 
 // --- Bodies.
 
@@ -71,10 +51,7 @@ int main(int argc, char **argv) {
     const unsigned count = argc > 2 ? (unsigned)atoi(argv[2]) : 16;
     if (argc > 3) dice_state = strtoull(argv[3], NULL, 10);
     FACT(wanted > 0 && count > 0 && count <= MOST_BODIES);
-    CrumpleAllocatorDef allocator = crumple_allocator_def_default();
-    allocator.alloc = host_alloc;
-    allocator.free = host_free;
-    if (crumple_features() & CRUMPLE_FEATURE_HOST_ALLOCATOR) OK(crumple_allocator_set(&allocator));
+    use_heap();
     make_sheet(&sheet);
     CrumpleContext *context = make_context(1);
     CrumpleExampleSet set;
@@ -116,7 +93,7 @@ int main(int argc, char **argv) {
             ++replays;
         }
         size_t *half = now - begin < wanted / 2 ? &first_half : &second_half;
-        if (bytes > *half) *half = bytes;
+        if (heap.bytes > *half) *half = heap.bytes;
     }
     for (unsigned i = 0; i < count; ++i) compare_with_replay(context, set, i);
     printf("%u bodies, %.0f s, %llu bodies made, %llu compared with a replay of their marks\n", count, now - begin, made,
@@ -128,6 +105,6 @@ int main(int argc, char **argv) {
     // Short runs have not seen the bodies with the most marks in their first half.
     if (wanted >= 60) FACT(second_half <= first_half + first_half / 20);
     OK(crumple_context_destroy(context));
-    FACT(bytes == 0);
+    FACT(heap.blocks == 0);
     return 0;
 }

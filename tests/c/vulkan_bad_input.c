@@ -177,16 +177,13 @@ static void recordings(void) {
     FACT(report.dispatches == 1 && report.blocks_skipped == 0);
     expect_vertices(&host, &vertices, context, body);
 
-    // Numbers of frames never fall; what is done is done.
+    // What was not submitted is written again, whole.
     hit(0.2f, 0.2f, 0.02f);
-    commands = host_begin(&host);
-    FAILS(invalid, "frame is 6", crumple_vulkan_record(context, commands, 6, NULL, 0, NULL));
     OK(crumple_vulkan_complete_frames(context, 7));
+    commands = host_begin(&host);
     FAILS(invalid, "frame is 7", crumple_vulkan_record(context, commands, 7, NULL, 0, NULL));
-    OK(crumple_vulkan_complete_frames(context, 3)); // known for long
     OK(crumple_vulkan_record(context, commands, 8, NULL, 0, &report));
     FACT(report.dispatches == 1 && report.blocks_skipped > 0);
-    // What was not submitted is written again, whole.
     OK(crumple_vulkan_discard_frames(context, 8));
     VK(vkResetCommandPool(host.device, host.pool, 0));
     report = run_frame(&host, context, 9);

@@ -77,11 +77,8 @@ fn files_that_are_missing_or_something_else() {
         ("info INempty.gltf", &["empty.gltf", "mesh"]),
         ("info INdented.glb", &["dented.glb", "morph target"]),
         ("info tests/fixtures/plate.obj", &["plate.obj", "--example"]),
-        ("info PANEL --mesh bonnet", &["bonnet", "panel"]),
-        ("info PANEL --mesh 3", &["3", "panel"]),
         ("info PANEL --example a.obj", &["--example needs an OBJ base"]),
         ("info tests/fixtures/plate.obj --mesh a", &["--mesh is for glTF files", "--nodes"]),
-        ("info PANEL --nodes bonnet", &["'bonnet'", "'train'"]),
         ("info PANEL --targets none", &["morph targets is 'none'", "'train_00'", "28 more"]),
     ] {
         refused(&folder, words, parts);

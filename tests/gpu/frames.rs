@@ -145,3 +145,24 @@ fn meshes_that_no_target_shows_leave_the_device() {
         assert!(each.iter().all(|n| *n > gpu.objects_per_target()), "{made:?}");
     });
 }
+
+#[test]
+fn what_was_not_submitted_is_written_again() {
+    let set = scenes::sheet_set();
+    on_each_device(|gpu| {
+        let layout = TestLayout::everything(&set, 0, 0);
+        let buffer = gpu.buffer(layout.size);
+        let mut target = gpu.add_target(&set, &layout, &buffer).unwrap();
+        let mut instance = folded(&set, 5, 1);
+        for _ in 0..3 {
+            let job = Job { instance: &instance, target: &mut target };
+            assert_eq!(gpu.drop_frame(&mut [job]).dispatches, 1);
+            target.invalidate();
+        }
+        let mut expected = Expected::poison(buffer.words());
+        expected.compare(&gpu.read(&buffer), &gpu.device, "not submitted");
+        gpu.run(&mut [Job { instance: &instance, target: &mut target }]).unwrap();
+        layout.expect(&mut instance, &mut expected);
+        expected.compare(&gpu.read(&buffer), &gpu.device, "submitted");
+    });
+}

@@ -93,6 +93,18 @@ impl<'e> Gpu<'e> {
         report
     }
 
+    /// Records a frame that is not submitted.
+    pub fn drop_frame(&mut self, jobs: &mut [Job<'_>]) -> Report {
+        self.frame += 1;
+        let commands = self.engine.begin(vk::CommandBufferLevel::PRIMARY);
+        // SAFETY: the command buffer is recording.
+        let report = unsafe { self.crumple.record(commands, self.frame, jobs) }.unwrap();
+        // SAFETY: as above.
+        unsafe { self.engine.device.end_command_buffer(commands) }.unwrap();
+        self.crumple.discard(self.frame);
+        report
+    }
+
     pub fn frame_done(&mut self) {
         self.crumple.completed(self.frame);
     }

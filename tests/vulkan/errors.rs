@@ -108,34 +108,6 @@ fn recordings_that_will_not_do_are_refused() {
 }
 
 #[test]
-fn what_was_not_submitted_is_recorded_again() {
-    let set = scenes::sheet_set();
-    on_each_device(|engine| {
-        let mut crumple = engine.crumple();
-        let layout = TestLayout::everything(&set, 0, 0);
-        let (seen, id) = engine.target_buffer(&mut crumple, layout.size);
-        let mut target = crumple.add_target(&set, &layout.def(id)).unwrap();
-        let mut instance = folded(&set, 5, 1);
-        let commands = engine.begin(vk::CommandBufferLevel::PRIMARY);
-        let job = RecordJob { instance: &instance, target: &mut target };
-        // SAFETY: the command buffer is recording.
-        unsafe {
-            crumple.record(commands, 1, &mut [job]).unwrap();
-            engine.device.end_command_buffer(commands).unwrap();
-        }
-        crumple.discard(1);
-        target.invalidate();
-        let job = RecordJob { instance: &instance, target: &mut target };
-        // SAFETY: the command buffer is recording.
-        engine.run(|c| unsafe { crumple.record(c, 2, &mut [job]) }).unwrap();
-        crumple.completed(2);
-        let mut wanted = Expected::poison(seen.words().len());
-        layout.expect(&mut instance, &mut wanted);
-        wanted.compare(seen.words(), &engine.tested, "after one that was not submitted");
-    });
-}
-
-#[test]
 fn devices_dropped_with_frames_in_flight_leave_them_alone() {
     let set = scenes::sheet_set();
     on_each_device(|engine| {
