@@ -1,6 +1,6 @@
 // Every Vulkan call that can fail does so once, in turn, with each error that drivers return: the call of Crumple says so and changes
 // nothing, the same call succeeds afterwards, and the vertices are those of crumple_context_deform(). A device that stays lost can be
-// detached, and the CPU goes on with the same bits.
+// detached, the CPU goes on with the same bits, and another device gets the same vertices.
 #include "vulkan_export.h"
 
 #include <unistd.h>
@@ -267,6 +267,7 @@ static bool lose(bool own, unsigned n) {
     if (failed) {
         (void)crumple_vulkan_complete_frames(s.context, UINT64_MAX); // no device, or Crumple's own: an error
         (void)crumple_vulkan_detach(s.context);
+        FACT(!crumple_buffer_is_valid(s.context, s.buffer));
     }
     fail_at = 0;
     def.positions = stream_of(seen, sizeof seen, 0, sizeof *seen);
@@ -285,6 +286,18 @@ static bool lose(bool own, unsigned n) {
     FACT(memcmp(wanted, seen, sizeof wanted) == 0);
     OK(crumple_context_destroy(plain.context));
     const bool there_was = failed;
+    if (failed && !own) {
+        host_destroy_buffer(&s.host, &s.vertices);
+        host_close_device(&s.host);
+        host_open_device(&s.host);
+        s.vertices = make_vertices(&s.host);
+        s.frame = 0; // a new device counts its frames anew
+        OK(attach(&s));
+        OK(register_buffer(&s));
+        OK(frame(&s));
+        OK(wait(&s));
+        expect_vertices(&s.host, &s.vertices, s.context, s.body);
+    }
     end(&s);
     return there_was;
 }

@@ -1,4 +1,4 @@
-// What the Vulkan tests share: a sheet's vertices in a VkBuffer, and a loader that can lack, lose and hold up things.
+// What the Vulkan tests share: a sheet's vertices in a VkBuffer, and a loader that can lack and hold up things.
 #ifndef VULKAN_SUPPORT_H
 #define VULKAN_SUPPORT_H
 
@@ -13,30 +13,11 @@ enum { FLOATS = 10, STRIDE = FLOATS * 4, GUARD = 4096, RANGE = VERTICES * STRIDE
 // --- The loader.
 
 static const char *absent;                           // a function that it does not have; null: none
-static const char *lost_in;                          // a function that answers VK_ERROR_DEVICE_LOST; null: none
 static void (*dispatching)(VkCommandBuffer commands); // called at each vkCmdDispatch; null: nothing
 static PFN_vkGetDeviceProcAddr real_get_device;
-static PFN_vkCreateBuffer real_create_buffer;
-static PFN_vkAllocateMemory real_allocate;
-static PFN_vkMapMemory real_map;
 static PFN_vkCmdDispatch real_dispatch;
 
 static int named(const char *which, const char *name) { return which && strcmp(which, name) == 0; }
-
-static VKAPI_ATTR VkResult VKAPI_CALL create_buffer(VkDevice device, const VkBufferCreateInfo *info,
-                                                    const VkAllocationCallbacks *callbacks, VkBuffer *buffer) {
-    return named(lost_in, "vkCreateBuffer") ? VK_ERROR_DEVICE_LOST : real_create_buffer(device, info, callbacks, buffer);
-}
-
-static VKAPI_ATTR VkResult VKAPI_CALL allocate(VkDevice device, const VkMemoryAllocateInfo *info,
-                                               const VkAllocationCallbacks *callbacks, VkDeviceMemory *memory) {
-    return named(lost_in, "vkAllocateMemory") ? VK_ERROR_DEVICE_LOST : real_allocate(device, info, callbacks, memory);
-}
-
-static VKAPI_ATTR VkResult VKAPI_CALL map(VkDevice device, VkDeviceMemory memory, VkDeviceSize offset, VkDeviceSize size,
-                                          VkMemoryMapFlags flags, void **data) {
-    return named(lost_in, "vkMapMemory") ? VK_ERROR_DEVICE_LOST : real_map(device, memory, offset, size, flags, data);
-}
 
 static VKAPI_ATTR void VKAPI_CALL dispatch(VkCommandBuffer commands, uint32_t x, uint32_t y, uint32_t z) {
     if (dispatching) dispatching(commands);
@@ -46,18 +27,6 @@ static VKAPI_ATTR void VKAPI_CALL dispatch(VkCommandBuffer commands, uint32_t x,
 static VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL get_device(VkDevice device, const char *name) {
     PFN_vkVoidFunction found = named(absent, name) ? NULL : real_get_device(device, name);
     if (!found) return NULL;
-    if (named("vkCreateBuffer", name)) {
-        real_create_buffer = (PFN_vkCreateBuffer)found;
-        return (PFN_vkVoidFunction)create_buffer;
-    }
-    if (named("vkAllocateMemory", name)) {
-        real_allocate = (PFN_vkAllocateMemory)found;
-        return (PFN_vkVoidFunction)allocate;
-    }
-    if (named("vkMapMemory", name)) {
-        real_map = (PFN_vkMapMemory)found;
-        return (PFN_vkVoidFunction)map;
-    }
     if (named("vkCmdDispatch", name)) {
         real_dispatch = (PFN_vkCmdDispatch)found;
         return (PFN_vkVoidFunction)dispatch;
