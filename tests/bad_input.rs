@@ -175,18 +175,6 @@ fn quick_zero_length_normals_and_degenerate_triangles_are_repaired_and_reported(
     assert!(out.normals.iter().all(|n| (Vec3::from_array(*n).length() - 1.0).abs() < 1e-5));
 }
 
-#[test]
-fn quick_a_mesh_of_nothing_but_degenerate_triangles_works() {
-    let mesh = MeshData { positions: vec![[1.0; 3]; 4], triangles: vec![[0, 1, 2], [3, 3, 3]], ..MeshData::default() };
-    let set = Arc::new(build(mesh, vec![ExampleData::new("", Deltas::Full(vec![[0.0, 0.0, -0.1]; 4]))]).unwrap());
-    assert_eq!((set.report().degenerate_triangles, set.mesh().seam_count()), (2, 3));
-    let mut instance = new(&set);
-    assert_eq!(instance.submit(&push([1.0; 3], [0.0, 0.0, -0.1])).unwrap().status, HitStatus::Marked);
-    let out = Output::fresh(&mut instance);
-    let near = |p: &[f32; 3]| (p[2] - 0.9).abs() < 1e-5 && *p == out.positions[0];
-    assert!(out.positions.iter().all(near), "{:?}", out.positions);
-}
-
 /// The squares of its distances are 0 in f32. The search for the surface's height never ended.
 #[test]
 fn quick_a_body_too_small_for_f32_squares_is_built() {

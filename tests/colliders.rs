@@ -69,12 +69,12 @@ fn only_convex_pieces_that_a_dent_reaches_are_made_again() {
         assert_eq!(set.add_lod(piece(n), &Serial).unwrap(), n + 1);
     }
     let mut body = scenes::new(&Arc::new(set));
-    let mut pieces: Vec<Level> = (1..=PIECES * PIECES).map(|lod| Level::new(&mut body, lod)).collect();
+    let mut pieces: Vec<Level> = (1..=PIECES * PIECES).map(|lod| Level::of(&mut body, lod)).collect();
     let rest: Vec<_> = pieces.iter().map(|p| p.positions.clone()).collect();
 
     // A dent on the corner at which four pieces meet reaches these four alone.
     body.submit(&scenes::push([0.25, 0.25, 0.0], [0.0, 0.0, -0.05])).unwrap();
-    pieces.iter_mut().for_each(|p| p.update(&mut body));
+    pieces.iter_mut().for_each(|p| _ = p.update(&mut body));
     let changed: Vec<usize> = (0..pieces.len()).filter(|&n| !pieces[n].tracker.changed().is_empty()).collect();
     assert_eq!(changed, [10, 11, 14, 15]);
     for (n, piece) in pieces.iter().enumerate() {

@@ -183,23 +183,6 @@ fn the_world_matrix_is_the_product_of_the_parents() {
 }
 
 #[test]
-fn meshes_are_chosen_by_first_index_and_name() {
-    let path = fixture("nodes.glb");
-    let name = |choice| gltf_file(&path, choice).map(|i| i.name);
-    assert_eq!(name(MeshChoice::First).as_deref(), Ok("Door"), "the wheel has no targets");
-    assert_eq!(name(MeshChoice::Index(2)).as_deref(), Ok("Panel"));
-    assert_eq!(name(MeshChoice::Name("Panel")).as_deref(), Ok("Panel"));
-    let message = |choice| name(choice).unwrap_err().to_string();
-    let all = "mesh 0 'Wheel', mesh 1 'Door', mesh 2 'Panel'";
-    assert_eq!(message(MeshChoice::Index(3)), format!("no mesh 3; the file has {all}"));
-    assert_eq!(message(MeshChoice::Name("Pannel")), format!("no mesh 'Pannel'; the file has {all}"));
-    assert_eq!(
-        message(MeshChoice::Index(0)),
-        "no examples: mesh 0 'Wheel' has no morph targets; the file's meshes with morph targets are mesh 1 'Door', mesh 2 'Panel'"
-    );
-}
-
-#[test]
 fn external_buffers_are_found_beside_the_file() {
     let path = fixture("separate/bent door.gltf");
     let door = gltf_file(&path, MeshChoice::First).unwrap();

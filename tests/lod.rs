@@ -7,41 +7,10 @@ use std::sync::Arc;
 
 use crumple::glam::DVec3;
 use crumple::{
-    DeformJob, DeformReport, Error, ErrorKind, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData, Rule,
-    Serial, SetOptions, ThreadPool, Tracker, VertexMemory, deform,
+    DeformJob, Error, ErrorKind, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData, Rule, Serial,
+    SetOptions, ThreadPool, Tracker, VertexMemory, deform,
 };
-use scenes::{Dice, ball, bowls, coincident, cube, length, new, push, random_hits, sheet};
-
-/// Positions and normals of one level, and the tracker of what they hold.
-struct Level {
-    lod: usize,
-    positions: Vec<[f32; 3]>,
-    normals: Vec<[f32; 3]>,
-    tracker: Tracker,
-}
-
-impl Level {
-    fn new(set: &ExampleSet, lod: usize) -> Self {
-        let n = set.lod_mesh(lod).unwrap().positions().len();
-        Level { lod, positions: vec![[0.0; 3]; n], normals: vec![[0.0; 3]; n], tracker: Tracker::new() }
-    }
-
-    fn update(&mut self, instance: &mut Instance) -> DeformReport {
-        instance.fold();
-        let memory = VertexMemory::separate(&mut self.positions, Some(&mut self.normals), None).unwrap();
-        deform(&mut [DeformJob { lod: self.lod, instance, tracker: &mut self.tracker, memory }], &Serial).unwrap()
-    }
-
-    fn of(instance: &mut Instance, lod: usize) -> Self {
-        let mut level = Level::new(&instance.example_set().clone(), lod);
-        level.update(instance);
-        level
-    }
-
-    fn bits(&self) -> Vec<[u32; 3]> {
-        self.positions.iter().map(|p| p.map(f32::to_bits)).collect()
-    }
-}
+use scenes::{Dice, Level, ball, bowls, coincident, cube, length, new, push, random_hits, sheet};
 
 fn options(tolerance: Option<f32>) -> SetOptions {
     SetOptions { tolerance, ..SetOptions::default() }

@@ -1227,13 +1227,3 @@ fn quick_yield_thresholds_leave_no_mark() {
     }
     assert_eq!(instance.marks().unwrap().len(), 2);
 }
-
-#[test]
-fn quick_preview_leaves_nothing() {
-    let set = scenes::ball_set();
-    let mut instance = new(&set);
-    let hit = random_hit(&set, &mut Dice::new(3));
-    let (preview, outcome) = (instance.preview(&hit).unwrap(), new(&set).submit(&hit).unwrap());
-    assert_eq!(preview, outcome);
-    assert!(instance.marks().unwrap().is_empty());
-}

@@ -516,25 +516,35 @@ pub fn fnv(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(*b)).wrapping_mul(0x0000_0100_0000_01b3))
 }
 
-/// The vertices of one level of detail, and the tracker of what they show.
+/// Positions and normals of one level, and the tracker of what they hold.
 pub struct Level {
-    lod: usize,
+    pub lod: usize,
     pub positions: Vec<[f32; 3]>,
+    pub normals: Vec<[f32; 3]>,
     pub tracker: Tracker,
 }
 
 impl Level {
-    pub fn new(body: &mut Instance, lod: usize) -> Self {
-        let count = body.example_set().lod_mesh(lod).unwrap().positions().len();
-        let mut level = Level { lod, positions: vec![[0.0; 3]; count], tracker: Tracker::new() };
-        level.update(body);
+    pub fn new(set: &ExampleSet, lod: usize) -> Self {
+        let n = set.lod_mesh(lod).unwrap().positions().len();
+        Level { lod, positions: vec![[0.0; 3]; n], normals: vec![[0.0; 3]; n], tracker: Tracker::new() }
+    }
+
+    pub fn update(&mut self, instance: &mut Instance) -> DeformReport {
+        instance.fold();
+        let has_normals = instance.example_set().lod_mesh(self.lod).unwrap().normals().is_some();
+        let normals = has_normals.then_some(self.normals.as_mut_slice());
+        let memory = VertexMemory::separate(&mut self.positions, normals, None).unwrap();
+        deform(&mut [DeformJob { lod: self.lod, instance, tracker: &mut self.tracker, memory }], &Serial).unwrap()
+    }
+
+    pub fn of(instance: &mut Instance, lod: usize) -> Self {
+        let mut level = Level::new(&instance.example_set().clone(), lod);
+        level.update(instance);
         level
     }
 
-    pub fn update(&mut self, body: &mut Instance) {
-        body.fold();
-        let memory = VertexMemory::separate(&mut self.positions, None, None).unwrap();
-        deform(&mut [DeformJob { lod: self.lod, instance: body, tracker: &mut self.tracker, memory }], &Serial)
-            .unwrap();
+    pub fn bits(&self) -> Vec<[u32; 3]> {
+        self.positions.iter().map(|p| p.map(f32::to_bits)).collect()
     }
 }

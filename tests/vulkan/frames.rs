@@ -44,31 +44,6 @@ fn buffers_of_other_queue_families_are_taken_and_given_back() {
     });
 }
 
-#[test]
-fn nothing_dirty_records_nothing() {
-    on_each_device(|engine| {
-        let set = scenes::sheet_set();
-        let mut crumple = engine.crumple();
-        let layout = TestLayout::everything(&set, 0, 0);
-        let (_, id) = engine.target_buffer(&mut crumple, layout.size);
-        let mut target = crumple.add_target(&set, &layout.def(id)).unwrap();
-        let instance = folded(&set, 3, 1);
-        for frame in 1..3 {
-            let job = RecordJob { instance: &instance, target: &mut target };
-            // Where nothing is recorded, a command buffer that is none will do.
-            let report = match frame {
-                // SAFETY: the command buffer is recording.
-                1 => engine.run(|c| unsafe { crumple.record(c, frame, &mut [job]) }).unwrap(),
-                // SAFETY: nothing is recorded.
-                _ => unsafe { crumple.record(vk::Handle::from_raw(1), frame, &mut [job]) }.unwrap(),
-            };
-            assert_eq!(report.dispatches, u32::from(frame == 1));
-            crumple.completed(frame);
-        }
-        assert_eq!(crumple.recorded(), 1);
-    });
-}
-
 /// Records frame after frame without waiting for any but the third before.
 fn in_flight(engine: &Engine, set: &Arc<ExampleSet>, level: vk::CommandBufferLevel) {
     const FLIGHT: usize = 3;

@@ -71,7 +71,7 @@ fn a_second_ball_in_rapier_lands_on_the_metal_that_the_first_dented() {
     let set = plate();
     let options = InstanceOptions { compliance: Some(0.0025), ..InstanceOptions::default() };
     let mut body = Instance::new(set.clone(), options).unwrap();
-    let (mut base, mut proxy) = (Level::new(&mut body, 0), Level::new(&mut body, 1));
+    let (mut base, mut proxy) = (Level::of(&mut body, 0), Level::of(&mut body, 1));
     let triangles = set.lod_mesh(1).unwrap().triangles();
     let mut scene = Scene::new(&proxy, triangles);
 
