@@ -48,14 +48,8 @@ fn files_that_are_missing_or_something_else() {
     let folder = Folder::empty();
     folder.write("i.json", GOOD);
     let whole = std::fs::read(asset(PANEL)).expect("readable");
-    let files: [(&str, &[u8]); 6] = [
-        ("png.glb", b"\x89PNG"),
-        ("nothing.glb", b""),
-        ("c.gltf", b"{]"),
-        ("d.glb", b"glTF\x02\0\0\0\x0c\0\0\0"),
-        ("half.glb", &whole[..whole.len() / 2]),
-        ("f.obj", &whole[..100]),
-    ];
+    let files: [(&str, &[u8]); 3] =
+        [("png.glb", b"\x89PNG"), ("half.glb", &whole[..whole.len() / 2]), ("f.obj", &whole[..100])];
     files.iter().for_each(|(name, bytes)| drop(folder.write(name, bytes)));
     folder.write("empty.gltf", r#"{"asset": {"version": "2.0"}}"#);
     crumple(&["apply", PANEL, "--impacts", &folder.at("i.json"), "-o", &folder.at("dented.glb")]).report();
@@ -68,10 +62,7 @@ fn files_that_are_missing_or_something_else() {
         ("info no.obj --example a.obj", &["no.obj"]),
         ("info tests/fixtures/plate.obj --example none.obj", &["none.obj"]),
         ("info INpng.glb", &["png.glb", "neither a GLB", "a glTF"]),
-        ("info INnothing.glb", &["nothing.glb", "neither a GLB"]),
         ("info INi.json", &["i.json holds no mesh", ".crumple"]),
-        ("info INc.gltf", &["c.gltf", "malformed"]),
-        ("info INd.glb", &["d.glb", "malformed"]),
         ("info INhalf.glb", &["half.glb", "malformed"]),
         ("info INf.obj --example tests/fixtures/plate.obj", &["f.obj"]),
         ("info INempty.gltf", &["empty.gltf", "mesh"]),
