@@ -6,10 +6,10 @@ mod import_glb;
 use crumple::glam::Vec3;
 use crumple::import::{Imported, MeshChoice, PartKind, Patterns, Reading, gltf_file, gltf_slice, gltf_solids};
 use crumple::{
-    Contact, DeformJob, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, Serial, SetOptions, Solid,
-    Tracker, VertexMemory, deform,
+    Contact, DeformJob, ExampleSet, Hit, Instance, InstanceOptions, Serial, SetOptions, Solid, Tracker, VertexMemory,
+    deform,
 };
-use import_glb::{Glb, square};
+use import_glb::{Glb, sparse, square};
 use serde_json::json;
 use std::sync::Arc;
 
@@ -45,11 +45,6 @@ fn body() -> Imported {
     join(&three(), &[]).unwrap()
 }
 
-fn sparse(example: &ExampleData) -> (&[u32], &[[f32; 3]]) {
-    let Deltas::Sparse { indices, values } = &example.positions else { panic!("sparse") };
-    (indices, values)
-}
-
 fn near(a: [f32; 3], b: [f32; 3]) -> bool {
     Vec3::from(a).distance(Vec3::from(b)) < 1e-6
 }
@@ -83,9 +78,9 @@ fn targets_of_one_name_are_one_example_in_the_scenes_space() {
     let names: Vec<&str> = body.examples.iter().map(|e| e.name.as_str()).collect();
     assert_eq!(names, ["dense", "sparse", "pushed"]);
     let [dense, sparse_, pushed] = &body.examples[..] else { panic!("three") };
-    assert_eq!(sparse(dense).0, [0, 2, 4, 6, 8, 10]);
-    assert_eq!(sparse(sparse_).0, [1, 3, 9, 11]);
-    let (indices, values) = sparse(pushed);
+    assert_eq!(sparse(&dense.positions).0, [0, 2, 4, 6, 8, 10]);
+    assert_eq!(sparse(&sparse_.positions).0, [1, 3, 9, 11]);
+    let (indices, values) = sparse(&pushed.positions);
     assert_eq!(indices, [6]);
     assert!(near(values[0], [0.0, 0.0, -0.25]), "turned with its node: {values:?}");
     let Some(Contact::Point(point)) = pushed.contact else { panic!("a point") };

@@ -5,7 +5,7 @@ mod import_glb;
 
 use crumple::import::{Imported, MeshChoice, Patterns, Reading, apply_extras, gltf_file, gltf_slice};
 use crumple::{Blow, Contact, Deltas, Error, ErrorKind, ExampleData, Striker};
-use import_glb::{Glb, SQUARE, UP, bytes, fixture, square};
+use import_glb::{Glb, SQUARE, UP, bytes, fixture, sparse, square};
 use serde_json::{Value, json};
 use std::collections::HashMap;
 
@@ -15,18 +15,6 @@ fn blender(name: &str) -> Imported {
 
 fn read(glb: &Glb) -> Imported {
     gltf_slice(&glb.bytes(), None, MeshChoice::First).unwrap()
-}
-
-fn sparse(deltas: &Deltas) -> (&[u32], &[[f32; 3]]) {
-    match deltas {
-        Deltas::Sparse { indices, values } => {
-            assert_eq!(indices.len(), values.len());
-            assert!(indices.is_sorted_by(|a, b| a < b));
-            assert!(values.iter().all(|v| *v != [0.0; 3]));
-            (indices, values)
-        }
-        Deltas::Full(_) => panic!("the importer writes sparse deltas"),
-    }
 }
 
 fn dense(deltas: &Deltas, count: usize) -> Vec<[f32; 3]> {

@@ -28,33 +28,16 @@ static unsigned char *save(CrumpleExampleSet set, size_t *size) {
     return bytes;
 }
 
-// Positions of the sheet after one hit.
-static void dent(CrumpleExampleSet set, float (*positions)[3]) {
-    CrumpleInstance instance = make_instance(context, set);
-    CrumpleHostBufferDef memory = crumple_host_buffer_def_default();
-    CrumpleHitDef hit = displacement_at(0.1f, 0.05f, 0.04f);
-    CrumpleBuffer buffer;
-    OK(crumple_instance_submit_hit(context, instance, &hit, NULL));
-    memory.positions = stream_of(positions, sizeof(float) * 3 * VERTICES, 0, sizeof(float) * 3);
-    OK(crumple_buffer_register_host(context, instance, &memory, &buffer));
-    OK(crumple_context_deform(context, NULL, 0, NULL));
-    OK(crumple_instance_destroy(context, instance));
-}
-
+// tests/format.rs checks that loaded sets give the saved one's bits.
 static void same(CrumpleExampleSet a, CrumpleExampleSet b) {
-    static float p[VERTICES][3], q[VERTICES][3];
     CrumpleExampleSetInfo info, other;
     CrumpleExampleInfo example, other_example;
     OK(crumple_example_set_get_info(context, a, &info));
     OK(crumple_example_set_get_info(context, b, &other));
-    FACT(info.vertex_count == other.vertex_count && info.example_count == other.example_count);
     FACT(info.fingerprint == other.fingerprint && info.depth_limit == other.depth_limit);
     OK(crumple_example_set_get_example(context, a, 1, &example));
     OK(crumple_example_set_get_example(context, b, 1, &other_example));
     FACT(strcmp(example.name, other_example.name) == 0);
-    dent(a, p);
-    dent(b, q);
-    FACT(memcmp(p, q, sizeof p) == 0);
 }
 
 static void loading(const char *folder) {
@@ -101,7 +84,8 @@ static void lifetimes(void) {
     OK(crumple_example_set_load_baked_memory(context, bytes, size, CRUMPLE_BYTES_KEEP, &loaded));
     instance = make_instance(context, loaded);
     OK(crumple_example_set_destroy(context, loaded));
-    OK(crumple_instance_reset_damage(context, instance));
+    CrumpleHitDef hit = displacement_at(0.1f, 0.05f, 0.04f);
+    OK(crumple_instance_submit_hit(context, instance, &hit, NULL));
     OK(crumple_instance_destroy(context, instance));
     // Nothing looks at them any more, which valgrind and the sanitizers would tell.
     memset(bytes, 0xCD, size);

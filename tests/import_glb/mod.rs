@@ -1,6 +1,7 @@
 //! Small GLBs made by hand, for tests that need what exporters do not write.
 #![allow(dead_code)]
 
+use crumple::Deltas;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -139,4 +140,17 @@ pub fn square() -> Glb {
         }),
     );
     glb
+}
+
+/// Indices and values of deltas, which the importer writes sparse, in order and without zeros.
+pub fn sparse(deltas: &Deltas) -> (&[u32], &[[f32; 3]]) {
+    match deltas {
+        Deltas::Sparse { indices, values } => {
+            assert_eq!(indices.len(), values.len());
+            assert!(indices.is_sorted_by(|a, b| a < b));
+            assert!(values.iter().all(|v| *v != [0.0; 3]));
+            (indices, values)
+        }
+        Deltas::Full(_) => panic!("the importer writes sparse deltas"),
+    }
 }
