@@ -386,13 +386,12 @@ void run(const std::string &folder, int frames) {
         const CrumpleVec3 a = first.shown[GRILLE].vertices[ALONG * (ACROSS + 1) + v], b = first.shown[HOOD].vertices[v];
         fact(a.x == b.x && a.y == b.y && a.z == b.z, "the seam is closed");
     }
-    // How far the front wheel's mount moved, and how far it is turned about the vertical.
-    const CrumplePose frame_of_wheel = first.instance.attached_pose(first.wheels[0]).value();
-    const CrumpleQuat q = frame_of_wheel.rotation;
-    const double toe = 2 * std::atan2(q.z, q.w) * 180 / 3.14159265358979;
-    const double moved = double(first.wheel_moved(first.wheels[0]));
-    std::printf("the wheel moved by %.1f mm and turned by %.2f degrees\n", 1000 * moved, toe);
-    fact(moved > 0.001 && std::fabs(toe) > 0.1, "the wheel is out of line");
+    // How far the second car's front wheel's mount moved, and by how much it is turned.
+    const CrumpleQuat q = second.instance.attached_pose(second.wheels[0]).value().rotation;
+    const double turn = 2 * std::atan2(std::hypot(std::hypot(q.x, q.y), q.z), std::fabs(q.w)) * 180 / 3.14159265358979;
+    const double moved = double(second.wheel_moved(second.wheels[0]));
+    std::printf("the wheel moved by %.1f mm and turned by %.2f degrees\n", 1000 * moved, turn);
+    fact(moved > 0.001 && turn > 0.1, "the wheel is out of line");
     const auto saved = context.save_damage().value();
     std::printf("the damage of both cars takes %zu bytes\n", saved.size());
     fact(saved.size() < 6000, "damage is small");
