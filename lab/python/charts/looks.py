@@ -40,7 +40,7 @@ def draw(directory):
             if measure == MEASURES[-1][0]:
                 axis.set_xlabel("shots at random places of one body")
     axes[0][0].legend(loc="lower right")
-    style.title(figure, "Hit again and again: what the body is told are the blows, the truth is the solver's")
+    style.title(figure, "Hit again and again: told the blows, against the solver")
     style.footer(figure, table)
     figure.tight_layout(rect=(0, 0.04, 1, 0.955), h_pad=1.6)
     style.save(figure, directory, "looks")
