@@ -13,7 +13,7 @@ use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool};
 use crate::Options;
 use crate::accuracy::law::{Law, Sees};
 use crate::accuracy::radial::Radial;
-use crate::metric::{deepest, length, median, quantile, relative_l2};
+use crate::metric::{deepest, length, median, relative_l2};
 use crate::pictures::picture::{Body as Drawn, Camera, Finish, Image, Margins, View, legend, millimetres, photograph};
 use crate::pictures::stacked;
 use crate::scene;
