@@ -139,6 +139,55 @@ fn an_example_that_moves_one_vertex_between_nodes_is_an_example() {
     }
 }
 
+/// At least 512 nodes, spread evenly.
+fn few_nodes() -> SetOptions {
+    let basis = Some(BasisOptions { tolerance: 1.0, rounds: 0, nodes: 512 });
+    SetOptions { basis, ..SetOptions::default() }
+}
+
+#[test]
+fn a_mirrored_hit_leaves_the_mirrored_dent() {
+    const N: usize = 61;
+    let mesh = scenes::sheet(N);
+    let at = |x: f32, y: f32| scenes::nearest(&mesh, [x, y, 0.0]);
+    let (low, high) = (mesh.positions[0], mesh.positions[mesh.positions.len() - 1]);
+    let mirrored = |p: [f32; 3]| at(low[0] + high[0] - p[0], p[1]);
+    let contact = at(low[0] + 0.3 * (high[0] - low[0]), low[1] + 0.4 * (high[1] - low[1]));
+    let dent = scenes::bowl(&mesh, contact, 0.05, 0.25);
+    let set = scenes::build(mesh.clone(), vec![dent], few_nodes());
+    assert!(set.basis_report().unwrap().nodes < mesh.positions.len() / 2);
+    let after = |v: u32| {
+        let mut body = new(&set);
+        body.submit(&Hit::displacement(mesh.positions[v as usize], [0.0, 0.0, -0.05])).unwrap();
+        displacements(&mut body)
+    };
+    let (here, there) = (after(contact), after(mirrored(mesh.positions[contact as usize])));
+    let (mut off, mut all) = (0.0, 0.0);
+    for (p, u) in mesh.positions.iter().zip(&here) {
+        let image = there[mirrored(*p) as usize] * Vec3::new(-1.0, 1.0, 1.0);
+        off += (*u - image).length_squared();
+        all += u.length_squared();
+    }
+    // Tiles, and so weights, are not the same on both sides.
+    let error = (off / all).sqrt();
+    assert!(error < 0.02, "{error}");
+}
+
+#[test]
+fn both_skins_of_a_thin_plate_have_nodes_and_no_more_than_one_skin_would() {
+    let skin = scenes::sheet(61);
+    let mut plate = skin.clone();
+    let count = skin.positions.len() as u32;
+    plate.positions.extend(skin.positions.iter().map(|p| [p[0], p[1], p[2] - 0.01]));
+    plate.triangles.extend(skin.triangles.iter().map(|t| [t[0] + count, t[2] + count, t[1] + count]));
+    plate.normals = Some([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]].map(|n| vec![n; count as usize]).concat());
+    plate.tangents = None;
+    let dent = scenes::bowl(&plate, count / 2, 0.05, 0.25);
+    let set = scenes::build(plate, vec![dent], few_nodes());
+    let nodes = set.basis_report().unwrap().nodes;
+    assert!((512..1536).contains(&nodes), "{nodes} nodes for {} vertices", 2 * count);
+}
+
 #[test]
 fn bodies_of_any_kind_learn_a_basis() {
     let dent = |v: u32| {

@@ -35,21 +35,21 @@ impl<'a> Spread<'a> {
             .any(|q| self.positions[*q as usize].distance_squared(p) < distance * distance)
     }
 
-    /// Adds a vertex and its mirror images to the nodes, if none of them is within `distance` of a point that is there already, or of
-    /// another of them.
+    /// Adds a vertex and its mirror images to the nodes, if none of them is within `distance` of a point that is there already. They
+    /// may be nearer to each other: on a thin plate both skins get nodes.
     fn add(&mut self, v: u32, distance: f32, images: &Images, nodes: &mut Vec<u32>) {
-        let p = self.positions[v as usize];
-        let close = |w: u32| self.positions[w as usize].distance_squared(p) < distance * distance;
-        if self.is_near(v, distance) || images.of(v).any(|w| close(w) || self.is_near(w, distance)) {
+        if self.is_near(v, distance) {
             return;
         }
-        for w in std::iter::once(v).chain(images.of(v)) {
-            // Images in two planes may be one vertex.
-            if !self.is_near(w, 0.5 * distance) {
-                self.cells.entry(self.cell(w)).or_default().push(w);
-                nodes.push(w);
-            }
+        let mut all: Vec<u32> = std::iter::once(v).chain(images.of(v)).collect();
+        // Images in two planes may be one vertex.
+        all.sort_unstable();
+        all.dedup();
+        if all.iter().any(|w| self.is_near(*w, distance)) {
+            return;
         }
+        all.iter().for_each(|w| self.cells.entry(self.cell(*w)).or_default().push(*w));
+        nodes.extend(all);
     }
 }
 
@@ -91,10 +91,7 @@ pub(crate) fn refine(
     let mut new = Spread::new(mesh, SPACING * longest);
     let before = nodes.len();
     for v in wrong {
-        let p = mesh.positions()[v as usize];
-        let apart = images.of(v).map(|w| mesh.positions()[w as usize].distance(p));
-        // Where a vertex and its image are nearer to each other, both are needed.
-        new.add(v, apart.fold(SPACING * distances[v as usize], f32::min), images, nodes);
+        new.add(v, SPACING * distances[v as usize], images, nodes);
     }
     nodes.sort_unstable();
     // An image may have been a node.
