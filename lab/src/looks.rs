@@ -11,7 +11,7 @@ use glam::{DVec3, Vec3};
 use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool};
 
 use crate::Options;
-use crate::accuracy::law::{Law, Sees};
+use crate::accuracy::law::{Law, Sees, target};
 use crate::accuracy::radial::Radial;
 use crate::metric::{deepest, length, median, relative_l2};
 use crate::pictures::picture::{Body as Drawn, Camera, Finish, Image, Margins, View, legend, millimetres, photograph};
@@ -111,6 +111,8 @@ struct Looks<'a> {
     law: Option<Law>,
     edges: Vec<Edge>,
     neighbours: Vec<Vec<u32>>,
+    /// A third of the area of the base's triangles around each vertex, m².
+    areas: Vec<f64>,
 }
 
 /// An edge between two triangles.
@@ -139,6 +141,12 @@ impl<'a> Looks<'a> {
             neighbours[*b as usize].push(*a);
         }
         let base = moved(body, &vec![[0.0; 3]; body.vertices.len()]);
+        let mut areas = vec![0.0; base.len()];
+        for t in &body.triangles {
+            let [a, b, c] = t.map(|v| base[v as usize]);
+            let third = (b - a).cross(c - a).length() / 6.0;
+            t.iter().for_each(|v| areas[*v as usize] += third);
+        }
         let edges = sides.into_iter().filter(|(_, c)| c.len() == 2).map(|(ends, c)| {
             let mut edge = Edge { ends, across: [c[0], c[1]], weight: 0.0, angle: 0.0 };
             let [p, q] = edge.ends.map(|v| base[v as usize]);
@@ -155,22 +163,16 @@ impl<'a> Looks<'a> {
             law: Law::fit(&body.train, Sees::Striker),
             edges: edges.collect(),
             neighbours,
+            areas,
         })
     }
 
     /// The field after these impacts by a method, m.
     fn field(&self, method: &str, impacts: &[Impact]) -> Result<Field> {
-        let target = |i: &Impact| match (&self.law, &i.blow) {
-            (Some(law), Some(blow)) => law.displacement(&blow.in_engine()),
-            _ => i.displacement,
-        };
+        let target = |i: &Impact| target(self.law.as_ref(), i);
         match method {
             "crumple" => {
-                let hit = |i: &Impact| match &i.blow {
-                    Some(blow) => Hit::blow(i.point, scene::blow(&blow.in_engine())),
-                    None => scene::hit(i),
-                };
-                let hits: Vec<Hit> = impacts.iter().map(hit).collect();
+                let hits: Vec<Hit> = impacts.iter().map(scene::blow_hit).collect();
                 scene::field_after(&self.set, &InstanceOptions::default(), &hits)
             }
             "radial" => {
@@ -240,11 +242,10 @@ impl<'a> Looks<'a> {
     /// Mean and 95th percentile by area of the angle between the normals of two fields, inside the truth's dent, degrees.
     fn normal_errors(&self, field: &Field, truth: &Field) -> [f64; 2] {
         let (a, b) = (normals(self.body, field), normals(self.body, truth));
-        let areas = normals_and_areas(self.body, &vec![[0.0; 3]; truth.len()]).1;
         let dent = DENTED * deepest(truth);
         let mut angles: Vec<(f64, f64)> = (0..truth.len())
             .filter(|v| length(truth[*v]) >= dent)
-            .map(|v| (a[v].angle_between(b[v]).to_degrees(), areas[v]))
+            .map(|v| (a[v].angle_between(b[v]).to_degrees(), self.areas[v]))
             .collect();
         angles.sort_by(|x, y| x.0.total_cmp(&y.0));
         let all: f64 = angles.iter().map(|(_, area)| area).sum();
@@ -323,23 +324,14 @@ fn moved(body: &Body, field: &Field) -> Vec<DVec3> {
 
 /// Normals of the displaced surface, whatever normals a method has.
 fn normals(body: &Body, field: &Field) -> Vec<DVec3> {
-    normals_and_areas(body, field).0
-}
-
-/// Unit normals, and a third of the area of the triangles around each vertex, m².
-fn normals_and_areas(body: &Body, field: &Field) -> (Vec<DVec3>, Vec<f64>) {
     let positions = moved(body, field);
     let mut sums = vec![DVec3::ZERO; positions.len()];
-    let mut areas = vec![0.0; positions.len()];
     for t in &body.triangles {
         let [a, b, c] = t.map(|v| positions[v as usize]);
         let n = (b - a).cross(c - a);
-        for v in t {
-            sums[*v as usize] += n;
-            areas[*v as usize] += n.length() / 6.0;
-        }
+        t.iter().for_each(|v| sums[*v as usize] += n);
     }
-    (sums.into_iter().map(|n| n.normalize_or(DVec3::Z)).collect(), areas)
+    sums.into_iter().map(|n| n.normalize_or(DVec3::Z)).collect()
 }
 
 /// Mean FLIP error of two pictures: 0 if they look the same, at most 1.

@@ -63,6 +63,12 @@ pub fn hit(impact: &Impact) -> Hit {
     Hit::displacement(impact.point, impact.displacement)
 }
 
+/// What an engine knows of the blow; the displacement if the truth knows no blow.
+pub fn blow_hit(impact: &Impact) -> Hit {
+    let known = |known: &truth::Blow| Hit::blow(impact.point, blow(&known.in_engine()));
+    impact.blow.as_ref().map_or_else(|| hit(impact), known)
+}
+
 /// What an engine would report that knows the depth alone: as deep, along the normal.
 pub fn along_normal(set: &ExampleSet, impact: &Impact) -> Hit {
     let normal = set.mesh().contact_normal(impact.contact_vertex).unwrap_or_default();

@@ -33,15 +33,8 @@ impl ExampleSet {
         let even = BasisOptions { rounds: 0, ..BasisOptions::new(1.0) };
         let options = self.options().basis.unwrap_or(even);
         // No example moves held vertices, and what is carried ends there.
-        let (mesh, planes) = (self.mesh(), self.report().mirror_planes);
-        let images = Images {
-            planes,
-            positions: mesh.positions(),
-            weld: mesh.weld(),
-            index: self.index(),
-            bounds: mesh.bounds(),
-        };
-        let (basis, report) = Basis::learn(mesh, &images, || self.fields(tasks), &self.rim().held, &options, tasks)?;
+        let images = Images { mesh: self.mesh(), index: self.index(), planes: self.report().mirror_planes };
+        let (basis, report) = Basis::learn(&images, || self.fields(tasks), &self.rim().held, &options, tasks)?;
         let nodes = self.node_mesh(basis.nodes(), tasks)?;
         let rule = LearnedRule::learn(&self.rule_source(&nodes), tasks)?;
         let mut hash = XxHash3_64::new();

@@ -55,7 +55,6 @@ impl Basis {
     /// # Errors
     /// [`Error::InvalidArgument`] naming the option.
     pub(crate) fn learn(
-        mesh: &Mesh,
         images: &Images,
         fields: impl FnOnce() -> Vec<Vec<Vec3>>,
         held: &[u32],
@@ -63,11 +62,12 @@ impl Basis {
         tasks: &dyn TaskSystem,
     ) -> Result<(Self, BasisReport), Error> {
         positive("tolerance", options.tolerance, "m")?;
+        let mesh = images.mesh;
         let first = match options.nodes {
             0 => (mesh.positions().len() / VERTICES_A_NODE).max(LEAST_NODES),
             nodes => nodes,
         };
-        let mut nodes = spread(mesh, first, images);
+        let mut nodes = spread(images, first);
         let mut is_held = vec![false; mesh.positions().len()];
         held.iter().for_each(|v| is_held[*v as usize] = true);
         let report = |nodes: usize, rows: &Rows, worst: f32| BasisReport {
@@ -99,7 +99,7 @@ impl Basis {
         }
         nodes.sort_unstable();
         nodes.dedup();
-        let (nodes, rows, worst) = learned((mesh, images), nodes, (&fields, &is_held), options, tasks);
+        let (nodes, rows, worst) = learned(images, nodes, (&fields, &is_held), options, tasks);
         let report = report(nodes.len(), &rows, worst);
         Ok((Basis { nodes: nodes.into(), rows }, report))
     }
@@ -107,12 +107,13 @@ impl Basis {
 
 /// Adds nodes until the fields are met or the rounds are over. Returns the nodes, the rows and the largest error, m.
 fn learned(
-    (mesh, images): (&Mesh, &Images),
+    images: &Images,
     mut nodes: Vec<u32>,
     (fields, held): (&[&[Vec3]], &[bool]),
     options: &BasisOptions,
     tasks: &dyn TaskSystem,
 ) -> (Vec<u32>, Rows, f32) {
+    let mesh = images.mesh;
     let shared = shared(mesh.weld());
     let slopes = Slopes::of(mesh);
     let slopes = Some(&slopes).filter(|s| !s.is_empty());
@@ -143,7 +144,7 @@ fn learned(
         if worst > options.tolerance {
             let nearest = |p: &Vec3| tree.several::<1>(*p).first().map_or(0.0, |(squared, _)| squared.sqrt());
             let distances: Vec<f32> = mesh.positions().iter().map(nearest).collect();
-            refine(mesh, &mut more, &errors, &distances, options.tolerance, images);
+            refine(images, &mut more, &errors, &distances, options.tolerance);
         }
         if more.len() == nodes.len() {
             let fitting = Fitting { slopes, ..fitting };

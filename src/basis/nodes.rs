@@ -54,7 +54,8 @@ impl<'a> Spread<'a> {
 }
 
 /// Spreads at least `count` nodes evenly over the mesh, or all its positions if there are fewer. Ascending.
-pub(crate) fn spread(mesh: &Mesh, count: usize, images: &Images) -> Vec<u32> {
+pub(crate) fn spread(images: &Images, count: usize) -> Vec<u32> {
+    let mesh = images.mesh;
     let own: Vec<u32> = (0..mesh.weld().len() as u32).filter(|v| mesh.weld()[*v as usize] == *v).collect();
     let mut distance = mesh.bounds().diagonal() / 4.0;
     loop {
@@ -72,29 +73,21 @@ pub(crate) fn spread(mesh: &Mesh, count: usize, images: &Images) -> Vec<u32> {
 
 /// Adds nodes where vertices are wrong by more than `tolerance`, the worst first, none nearer to another new one than
 /// `spacing` times the distance from its nearest node. `errors` (m) and `distances` (m, from the nearest node) are those of all
-/// vertices. Returns the number of nodes added.
-pub(crate) fn refine(
-    mesh: &Mesh,
-    nodes: &mut Vec<u32>,
-    errors: &[f32],
-    distances: &[f32],
-    tolerance: f32,
-    images: &Images,
-) -> usize {
+/// vertices.
+pub(crate) fn refine(images: &Images, nodes: &mut Vec<u32>, errors: &[f32], distances: &[f32], tolerance: f32) {
     /// Of the distance from the nearest node.
     const SPACING: f32 = 1.2;
+    let mesh = images.mesh;
     let mut wrong: Vec<u32> = (0..errors.len() as u32)
         .filter(|v| mesh.weld()[*v as usize] == *v && errors[*v as usize] > tolerance && distances[*v as usize] > 0.0)
         .collect();
     wrong.sort_by(|a, b| errors[*b as usize].total_cmp(&errors[*a as usize]).then(a.cmp(b)));
     let longest = wrong.iter().map(|v| distances[*v as usize]).fold(0.0, f32::max);
     let mut new = Spread::new(mesh, SPACING * longest);
-    let before = nodes.len();
     for v in wrong {
         new.add(v, SPACING * distances[v as usize], images, nodes);
     }
     nodes.sort_unstable();
     // An image may have been a node.
     nodes.dedup();
-    nodes.len() - before
 }

@@ -63,8 +63,7 @@ pub(crate) fn change(dent: &mut Dent, other: &Dent, overlap: f64, before: u64, a
 pub(crate) fn settle(set: &ExampleSet, mark: &Mark, dent: &mut Dent) {
     dent.alone = strength_alone(mark.energy);
     let all = u128::from(mark.energy) + dent.nearby.others;
-    let hits = all as f64 / Mark::ONE as f64;
-    dent.strength = (mark.energy as f64 / all as f64 * energy_root(hits)) as f32;
-    let own = mark.energy as f64 / Mark::ONE as f64;
-    dent.widen(set, mark, (libm::round(libm::log2(own.max(1.0))) as u16).min(WIDEST));
+    dent.strength = (mark.energy as f64 / all as f64 * energy_root(all as f64 / Mark::ONE as f64)) as f32;
+    let hits = mark.energy as f64 / Mark::ONE as f64;
+    dent.widen(set, mark, (libm::round(libm::log2(hits.max(1.0))) as u16).min(WIDEST));
 }

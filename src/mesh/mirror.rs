@@ -4,6 +4,7 @@
 //! the plane maps the vertices onto themselves; triangles are ignored.
 
 use crate::base::math::Aabb;
+use crate::mesh::Mesh;
 use crate::mesh::nearest::VertexIndex;
 use glam::Vec3;
 
@@ -75,21 +76,20 @@ pub(crate) fn planes(positions: &[Vec3], index: &VertexIndex, bounds: &Aabb) -> 
 
 /// Where a symmetric body has the mirror images of its vertices.
 pub(crate) struct Images<'a> {
-    pub planes: Mirror,
-    pub positions: &'a [Vec3],
-    /// For each vertex the first at its position.
-    pub weld: &'a [u32],
+    pub mesh: &'a Mesh,
+    /// Of its vertices.
     pub index: &'a VertexIndex,
-    pub bounds: Aabb,
+    pub planes: Mirror,
 }
 
 impl Images<'_> {
-    /// The vertices at the other images of a vertex; the first at each position. Strays have none.
+    /// The vertices where a vertex has its mirror images: of several at one position the first. There are none where the body is not symmetric.
     pub(crate) fn of(&self, v: u32) -> impl Iterator<Item = u32> {
-        let (centre, near) = (centre(&self.bounds), TOLERANCE * self.bounds.diagonal());
+        let (positions, bounds) = (self.mesh.positions(), self.mesh.bounds());
+        let (centre, near) = (centre(&bounds), TOLERANCE * bounds.diagonal());
         let image = move |m: Mirror| {
-            let found = self.index.nearest(m.point(self.positions[v as usize], centre), self.positions)?;
-            (found.distance <= near).then(|| self.weld[found.vertex as usize]).filter(|w| *w != v)
+            let found = self.index.nearest(m.point(positions[v as usize], centre), positions)?;
+            (found.distance <= near).then(|| self.mesh.weld()[found.vertex as usize]).filter(|w| *w != v)
         };
         self.planes.choices().skip(1).filter_map(image)
     }

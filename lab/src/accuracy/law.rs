@@ -67,6 +67,14 @@ impl Law {
     }
 }
 
+/// What a method is told that wants a displacement: that of the law or, without a law or a blow, that of the truth.
+pub fn target(law: Option<&Law>, impact: &Impact) -> [f32; 3] {
+    match (law, &impact.blow) {
+        (Some(law), Some(blow)) => law.displacement(&blow.in_engine()),
+        _ => impact.displacement,
+    }
+}
+
 fn logs(blow: &Blow, sees: Sees) -> [f64; 3] {
     let impulse = blow.in_engine().impulse;
     let along = -dot64(impulse.map(f64::from), blow.normal.map(f64::from));

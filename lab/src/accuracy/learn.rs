@@ -6,7 +6,7 @@ use std::time::Instant;
 use anyhow::Result;
 use crumple::{Hit, Instance, InstanceOptions, Rule, Selection, SetOptions};
 
-use super::law::{Law, Sees};
+use super::law::{Law, Sees, target};
 use super::radial::Radial;
 use crate::Options;
 use crate::metric::{length, median, quantile, relative_l2};
@@ -112,17 +112,11 @@ fn case(body: &Body, options: &Options, table: &mut Table) -> Result<()> {
                 let tail = [costs.bytes.to_string(), hits.len().to_string()];
                 table.row(head.into_iter().chain([n.to_string()]).chain(numbers).chain(tail))
             };
-            let hit = |i: &Impact| match &i.blow {
-                Some(blow) if blows => Hit::blow(i.point, scene::blow(&blow.in_engine())),
-                _ => scene::hit(i),
-            };
+            let hit = if blows { scene::blow_hit } else { scene::hit };
             let (fields, costs) = predicted(&known, &hits.iter().map(|i| hit(i)).collect::<Vec<_>>())?;
             add("crumple", &fields, &costs)?;
-            let law = Law::fit(&known.train, Sees::Striker);
-            let target = |i: &Impact| match (&law, &i.blow) {
-                (Some(law), Some(blow)) if blows => law.displacement(&blow.in_engine()),
-                _ => i.displacement,
-            };
+            let law = Law::fit(&known.train, Sees::Striker).filter(|_| blows);
+            let target = |i: &Impact| target(law.as_ref(), i);
             let fields = hits.iter().map(|i| {
                 let mut field = Field::new();
                 radial.predict(

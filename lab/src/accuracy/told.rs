@@ -168,7 +168,7 @@ fn case(body: &Body, train: &str, options: &Options, tables: &mut Tables) -> Res
 /// What Crumple is told.
 fn hit(told: Told, impact: &Impact, body: &Body) -> Hit {
     match (told, &impact.blow) {
-        (Told::Blow, Some(known)) => Hit::blow(impact.point, scene::blow(&known.in_engine())),
+        (Told::Blow, Some(_)) => scene::blow_hit(impact),
         (Told::Impulse, Some(known)) => {
             let known = known.in_engine();
             let blow = Blow { impulse: Some(known.impulse), normal: Some(known.normal), ..Blow::default() };
