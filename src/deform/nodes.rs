@@ -28,6 +28,8 @@ pub(crate) struct NodeState {
     steps: Vec<NodeSteps>,
     /// m; a power of two.
     step: f32,
+    /// The longest of `steps`.
+    farthest: u16,
     /// The most that a dent contributes along an axis, in units, so that sums do not overflow.
     longest: f32,
     /// The depth limit of the last update, and the largest of any, m.
@@ -55,6 +57,7 @@ impl NodeState {
             unit: power(own_limit.clamp(LEAST, MOST_METRES)) * UNIT,
             steps: Vec::new(),
             step: 0.0,
+            farthest: 0,
             limit: 0.0,
             most: MOST_LIMITS * own_limit,
             longest: (i32::MAX / dents.max(1) as i32).min(MOST_WHOLE) as f32,
@@ -63,7 +66,7 @@ impl NodeState {
     }
 
     pub(crate) fn view(&self) -> NodeView<'_> {
-        NodeView { steps: &self.steps, step: self.step }
+        NodeView { steps: &self.steps, step: self.step, farthest: self.farthest }
     }
 
     /// Shows the damage, with nodes that approach `limit` (m). Calls `changed` with the nodes whose steps changed.
@@ -121,6 +124,7 @@ impl NodeState {
                 }
             }
         }
+        self.farthest = self.steps.iter().map(|n| n[3] as u16).max().unwrap_or(0);
     }
 
     /// Changes what a dent adds to the sums from a factor of its field to another.

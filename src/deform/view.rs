@@ -35,6 +35,8 @@ pub(crate) struct NodeView<'a> {
     pub steps: &'a [NodeSteps],
     /// m.
     pub step: f32,
+    /// The longest displacement, in steps.
+    pub farthest: u16,
 }
 
 /// Vertices displaced by a rule.

@@ -118,15 +118,15 @@ struct Vertex {
 }
 
 // A workgroup lies within one block. So what is read of the block and its target depends on the workgroup alone, and
-// a device can read it once for all invocations.
-fn vertex_of(group: vec3<u32>, local: u32) -> Vertex {
+// a device can read it once for all invocations. `first` is the invocation's vertex among those of its workgroup.
+fn vertex_of(group: vec3<u32>, first: u32) -> Vertex {
     let number = group.y * call.row + group.x;
     // Workgroups beyond the last block read the data of the first.
     let slot = number >> call.split;
     let wanted = slot < call.count;
     let listed = load_block_work(call.blocks + select(0u, slot, wanted));
     let out = load_target_work(call.targets + listed.target_index * ROWS_TARGET_WORK);
-    let v = (number & ((1u << call.split) - 1u)) * (BLOCK >> call.split) + local;
+    let v = (number & ((1u << call.split) - 1u)) * (BLOCK >> call.split) + first;
     let index = listed.block * BLOCK + v;
     return Vertex(wanted && index < out.vertices, listed.block, v, index, out);
 }

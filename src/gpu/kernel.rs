@@ -1,5 +1,7 @@
 //! The kernels, and the variants in which they are compiled.
 
+use super::BLOCK_VERTICES;
+
 /// The attributes that a kernel writes. Each kernel writes those of the kernels before it too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Kernel {
@@ -53,6 +55,24 @@ impl Variant {
     /// The number of its source in build/kernels.rs.
     pub(crate) fn source(self) -> usize {
         self.case as usize
+    }
+
+    /// Vertices that an invocation computes.
+    fn vertices_each(self) -> u32 {
+        match self.case {
+            Case::Nodes => 2,
+            Case::Classic => 1,
+        }
+    }
+
+    /// Invocations a workgroup where the host asks for so many: a workgroup lies within one block.
+    pub(crate) fn invocations(self, asked: u32) -> u32 {
+        asked.min(BLOCK_VERTICES / self.vertices_each())
+    }
+
+    /// Vertices of a workgroup of as many invocations as the host asks for.
+    pub(crate) fn vertices(self, asked: u32) -> u32 {
+        self.invocations(asked) * self.vertices_each()
     }
 
     /// Whether an override of the sources is on.

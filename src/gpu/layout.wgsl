@@ -69,8 +69,8 @@ struct TargetWork {
     scale: vec3<f32>,
     // For a classic rule: first word of the state that the CPU copies, or NONE.
     given_state: u32,
-    // The first of its parts, in rows from the first part of the frame, and the end of them: the nodes, two a row, or hits of a
-    // classic rule.
+    // Of a classic rule: the first of its hits, in rows from the first part of the frame, and the end of them. Of nodes, two a row: where
+    // the body's first would be; only those that the listed blocks follow are there.
     parts_begin: u32,
     parts_end: u32,
     // First words of the vertices' depth limits and of 1 - stiffness in the arena, or NONE: the upper halves of floats.

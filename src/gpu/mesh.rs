@@ -22,6 +22,8 @@ pub(crate) struct MeshWords {
     limits: [Option<u32>; 2],
     /// The heads of tiles; then nodes, weights and slopes.
     tiles: u32,
+    /// The largest sum of a vertex's absolute weights, in units of 1 / [`crate::basis::ONE`].
+    pub most: u32,
     total: u64,
 }
 
@@ -36,6 +38,7 @@ impl MeshWords {
             examples: lod.anchored.iter().map(|a| at.take(numbers_at(lod, a) + 2 * a.words.len())).collect(),
             limits: lod.mesh.limits().parts().map(|l| (!l.is_empty()).then(|| at.take(l.as_flattened().len() / 2))),
             tiles: at.take(tile_words_len(&lod.rows)),
+            most: lod.rows.tiles.iter().map(|t| t.most).max().unwrap_or(0),
             total: at.0,
         }
     }

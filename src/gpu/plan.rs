@@ -176,7 +176,7 @@ impl<B: Copy + Ord> Plan<B> {
             let shown = Shown { view, mesh, target };
             let case = if planned.key.classic.is_some() { Case::Classic } else { Case::Nodes };
             planned.bounds = match (view.shape, instance.classic_state()) {
-                (Shape::Nodes(nodes), _) => self.work.add_nodes(shown, &nodes),
+                (Shape::Nodes(nodes), _) => self.work.add_nodes(shown, &nodes, &planned.blocks),
                 (_, Some(state)) => {
                     let since = target.tracker.since(view.changes, target.lod);
                     let with_normals = target.kernel > Kernel::Positions;

@@ -6,10 +6,10 @@ use super::kernel::Variant;
 #[cfg(feature = "vulkan")]
 const MODULES: [Module; 2] = include!(concat!(env!("OUT_DIR"), "/vulkan_modules.rs"));
 
-/// Returns the SPIR-V of a variant with this number of invocations a workgroup.
+/// Returns the SPIR-V of a variant for hosts that ask for so many invocations a workgroup.
 #[cfg(feature = "vulkan")]
 pub(crate) fn compiled(variant: Variant, invocations: u32) -> Vec<u32> {
-    MODULES[variant.source()].compiled(variant, invocations)
+    MODULES[variant.source()].compiled(variant, variant.invocations(invocations))
 }
 
 /// The SPIR-V of a source.

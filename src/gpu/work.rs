@@ -6,24 +6,26 @@ use super::vertices::VertexStream;
 use super::{BLOCK_VERTICES, Encoding};
 use crate::base::error::Error;
 use crate::base::math::Aabb;
-use crate::basis::ONE;
+use crate::basis::{ONE, TILE};
 use crate::classic::ClassicState;
 use crate::deform::view::{DamageView, NodeSteps, NodeView, Shape, may_reach};
 use crate::example::mesh_lod::MeshLod;
-use bytemuck::{Pod, cast, cast_slice};
+use bytemuck::{Pod, cast, cast_slice, cast_slice_mut};
 use glam::Vec3;
 use std::ops::Range;
 
 /// Room for the rounding of f32 in a bound on summed lengths.
 const ROUNDING: f32 = 1.00001;
 const ROW_WORDS: usize = size_of::<Row>() / 4;
+/// Tiles of a block.
+const TILES: usize = BLOCK_VERTICES as usize / TILE;
 
 /// The lists of a frame. They are reused from frame to frame.
 #[derive(Debug, Default)]
 pub(super) struct FrameWork {
     blocks: Vec<BlockWork>,
     targets: Vec<TargetWork>,
-    /// For each target its nodes, two a row. For a classic rule [`ClassicHit`]s.
+    /// For each target the nodes that its blocks follow, two a row. For a classic rule [`ClassicHit`]s.
     parts: Vec<Row>,
     /// States of vertices under a classic rule: position and, where a kernel writes normals, normal.
     states: Vec<[f32; 3]>,
@@ -104,20 +106,27 @@ impl FrameWork {
         self.blocks[indices.clone()].iter().map(|b| b.block as usize)
     }
 
-    /// Adds a target of an instance whose vertices follow nodes: the displacements of all nodes. Returns a box that holds its vertices.
-    pub(super) fn add_nodes(&mut self, shown: Shown<'_>, nodes: &NodeView<'_>) -> Aabb {
+    /// Adds a target of an instance whose vertices follow nodes: the displacements of the nodes from the first to the last that these
+    /// blocks of it follow. Returns a box that holds its vertices.
+    pub(super) fn add_nodes(&mut self, shown: Shown<'_>, nodes: &NodeView<'_>, blocks: &Range<usize>) -> Aabb {
+        let (rows, mut first, mut end) = (&shown.mesh.rows, u32::MAX, 0);
+        for block in self.listed(blocks) {
+            let tiles = block * TILES..((block + 1) * TILES).min(rows.tiles.len());
+            for ends in tiles.filter_map(|t| Some((rows.nodes_of(t).first()?, rows.nodes_of(t).last()?))) {
+                (first, end) = (first.min(*ends.0), end.max(*ends.1 + 1));
+            }
+        }
+        // Two nodes a row.
+        let (first, end) = ((first / 2).min(end.div_ceil(2)), end.div_ceil(2));
         let begin = self.parts.len();
-        if nodes.steps.is_empty() {
-            self.parts.resize(begin + shown.view.set.nodes().lod.vertex_count().div_ceil(2), [0; 4]);
+        self.parts.resize(begin + (end - first) as usize, [0; 4]);
+        if let Some(from) = nodes.steps.get(2 * first as usize..) {
+            let to: &mut [NodeSteps] = cast_slice_mut(&mut self.parts[begin..]);
+            to.iter_mut().zip(from).for_each(|(to, from)| *to = *from);
         }
-        for pair in nodes.steps.chunks(2) {
-            let node = |n: &NodeSteps| n.map(|x| u32::from(x as u16));
-            let [a, b] = [node(&pair[0]), pair.get(1).map_or([0; 4], node)];
-            self.parts.push([a[0] | a[1] << 16, a[2], b[0] | b[1] << 16, b[2]]);
-        }
-        let farthest = f32::from(nodes.steps.iter().map(|n| n[3] as u16).max().unwrap_or(0)) * nodes.step;
-        let most = shown.mesh.rows.tiles.iter().map(|t| t.most).max().unwrap_or(0);
-        let longest = farthest * (most as f32 / ONE as f32);
+        // The kernel counts rows from the body's first node on.
+        let begin = (begin as u32).wrapping_sub(first);
+        let longest = f32::from(nodes.farthest) * nodes.step * (shown.target.mesh.place.mesh.most as f32 / ONE as f32);
         let limit = Some(shown.view.depth_limit).filter(|limit| may_reach(longest, *limit));
         let flags = if limit.is_some() { LIMITED } else { 0 };
         self.add_target(shown, (begin, longest), (flags, limit.unwrap_or(0.0), NONE));
@@ -136,7 +145,7 @@ impl FrameWork {
         since: Option<u64>,
     ) -> Aabb {
         let Shown { view, mesh, target } = shown;
-        let (begin, mut given, mut flags) = (self.parts.len(), NONE, 0);
+        let (begin, mut given, mut flags) = (self.parts.len() as u32, NONE, 0);
         let all = 0..mesh.vertex_count();
         match since.and_then(|epoch| state.applied_since(epoch)) {
             Some(hits) => {
@@ -172,7 +181,7 @@ impl FrameWork {
     fn add_target(
         &mut self,
         shown: Shown<'_>,
-        (begin, longest): (usize, f32),
+        (begin, longest): (u32, f32),
         (flags, limit, given_state): (u32, f32, u32),
     ) {
         let TargetState { mesh, layout, first, .. } = shown.target;
@@ -204,7 +213,7 @@ impl FrameWork {
             limit,
             scale: layout.scale,
             flags,
-            parts_begin: begin as u32,
+            parts_begin: begin,
             parts_end: self.parts.len() as u32,
             given_state,
             depths,
@@ -227,10 +236,11 @@ impl WorkOffsets {
         ROW_WORDS * self.rows
     }
 
-    /// The call of a dispatch that writes these blocks, and its workgroups: how many in a row, at most `most`, and rows.
-    pub(crate) fn call(&self, blocks: &Range<usize>, workgroup: u32, most: u32) -> (Call, [u32; 2]) {
-        // The plan has checked that there are less than 2^32 invocations.
-        let (count, split) = (blocks.len() as u32, (BLOCK_VERTICES / workgroup).ilog2());
+    /// The call of a dispatch that writes these blocks with so many vertices a workgroup, and its workgroups: how many in a row, at
+    /// most `most`, and rows.
+    pub(crate) fn call(&self, blocks: &Range<usize>, vertices: u32, most: u32) -> (Call, [u32; 2]) {
+        // The plan has checked that there are less than 2^32 vertices.
+        let (count, split) = (blocks.len() as u32, (BLOCK_VERTICES / vertices).ilog2());
         let groups = count << split;
         let across = groups.min(most);
         let call = Call {

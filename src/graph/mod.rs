@@ -173,7 +173,7 @@ impl Graph {
             work.resize(offsets.words(), 0);
             self.plan.write(work);
             for d in self.plan.dispatches() {
-                let (call, groups) = offsets.call(&d.blocks, WORKGROUP, MOST_GROUPS);
+                let (call, groups) = offsets.call(&d.blocks, d.variant.vertices(WORKGROUP), MOST_GROUPS);
                 let mut constants = [0; 8];
                 constants[..7].copy_from_slice(&bytemuck::cast::<Call, [u32; 7]>(call));
                 dispatches.push(Dispatch {

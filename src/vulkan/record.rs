@@ -203,7 +203,7 @@ impl Device {
                 let all = [barrier(binding.handle, 0..vk::WHOLE_SIZE, SHADER_WRITE, SHADER_WRITE)];
                 cmd_barrier(&self.gpu, commands, (COMPUTE, COMPUTE), &all);
             }
-            let (call, [across, rows]) = offsets.call(&d.blocks, self.workgroup, most);
+            let (call, [across, rows]) = offsets.call(&d.blocks, d.variant.vertices(self.workgroup), most);
             let window = self.hosts.get(binding.buffer)?.windows[binding.window].set.handle;
             let state = jobs[d.job].target.classic.as_ref().filter(|_| d.classic());
             let sets = [slot.set(d.chunk()).handle, window, state.map_or(window, |s| s.set())];

@@ -32,7 +32,7 @@ impl FrameEncoding {
         self.plan.write(&mut self.words);
         self.calls.clear();
         for d in self.plan.dispatches() {
-            let (call, groups) = offsets.call(&d.blocks, workgroup, most);
+            let (call, groups) = offsets.call(&d.blocks, d.variant.vertices(workgroup), most);
             self.words.resize(self.words.len().next_multiple_of(align), 0);
             self.calls.push(EncodedCall { at: (4 * self.words.len()) as u32, groups });
             self.words.extend_from_slice(bytemuck::cast_slice(&[call]));

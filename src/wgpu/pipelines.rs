@@ -73,15 +73,16 @@ impl WgpuPipelines {
         let (device, rule) = (&gpu.device, variant.source());
         let label = Some(NAMES[rule]);
         let exact = gpu.takes_spirv();
+        let workgroup = variant.invocations(self.workgroup);
         let made = gpu.checked("making a compute pipeline", 0, || {
             let module = if exact {
-                let words = MODULES[rule].compiled(variant, self.workgroup);
+                let words = MODULES[rule].compiled(variant, workgroup);
                 let spirv = Some(words.into());
                 let descriptor = wgpu::ShaderModuleDescriptorPassthrough {
                     label,
                     entry_points: [wgpu::PassthroughShaderEntryPoint {
                         name: "main".into(),
-                        workgroup_size: (self.workgroup, 1, 1),
+                        workgroup_size: (workgroup, 1, 1),
                     }]
                     .to_vec()
                     .into(),
@@ -92,7 +93,7 @@ impl WgpuPipelines {
                 // numbers them too. Its loops, divisors and indices are those of the WGSL below.
                 unsafe { device.create_shader_module_passthrough(descriptor) }
             } else {
-                let workgroup = format!("@workgroup_size({})", self.workgroup);
+                let workgroup = format!("@workgroup_size({workgroup})");
                 let source = wgpu::ShaderSource::Wgsl(SOURCES[rule].replacen(WORKGROUP, &workgroup, 1).into());
                 let descriptor = wgpu::ShaderModuleDescriptor { label, source };
                 // SAFETY: every loop of a kernel ends, no divisor is 0, and every index lies within what is bound: the same code

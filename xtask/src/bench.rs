@@ -7,6 +7,7 @@ use clap::Args;
 use xshell::cmd;
 
 use crate::lab;
+use crate::package::SLIM;
 use crate::workspace::{Workspace, empty_directory};
 
 /// The part that needs no device.
@@ -80,13 +81,15 @@ fn devices(workspace: &Workspace, options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// The shared C library with its default features, stripped: the smallest that an engine links. `None` without a `strip` program.
+/// The slim C library, stripped. `None` without a `strip` program.
 fn stripped_library(workspace: &Workspace) -> Result<Option<PathBuf>> {
     use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
-    workspace.cargo(&["build", "--release", "--package", "crumple", "--lib", "--features", "capi"]).run()?;
+    let features = SLIM.library.join(",");
+    let what = ["build", "--profile", "dist", "--package", "crumple", "--lib", "--no-default-features", "--features"];
+    workspace.cargo(&what).arg(features).run()?;
     let name = format!("{DLL_PREFIX}crumple{DLL_SUFFIX}");
     let (library, stripped) =
-        (workspace.target.join("release").join(&name), workspace.target.join("stripped").join(&name));
+        (workspace.target.join("dist").join(&name), workspace.target.join("stripped").join(&name));
     empty_directory(&workspace.target.join("stripped"))?;
     if let Err(error) = cmd!(workspace.shell, "strip -o {stripped} {library}").quiet().run() {
         println!("left out: the library's size, since it cannot be stripped ({error})");

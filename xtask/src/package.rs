@@ -58,7 +58,7 @@ pub struct Flavour {
     /// The end of the archive's name.
     suffix: &'static str,
     /// The library's features. C has no functions for wgpu, so wgpu is not among them.
-    library: &'static [&'static str],
+    pub library: &'static [&'static str],
     /// Whether the archive holds the command.
     command: bool,
 }

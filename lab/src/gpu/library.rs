@@ -1,4 +1,4 @@
-//! What an engine links: the stripped shared library with its default features, which records and needs no more than Vulkan.
+//! What a shipped game links: the stripped slim library.
 
 use anyhow::{Context, Result};
 

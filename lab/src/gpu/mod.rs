@@ -94,7 +94,7 @@ const M: usize = 1_000_000;
 const WORKLOADS: &[Workload] = &[
     Workload {
         name: "vertices",
-        about: "one example in 16 bits moves every vertex of a sheet; the classic kernel; the CPU path, all cores",
+        about: "one mark moves every vertex of a sheet; the classic kernel with one example; the CPU path, all cores",
         sizes: [
             &[K, 3 * K, 10 * K, 30 * K, 100 * K, 300 * K, M, 3 * M, 10 * M],
             &[K, 3 * K, 10 * K, 30 * K, 100 * K, 300 * K, M],

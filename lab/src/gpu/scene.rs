@@ -15,7 +15,7 @@ pub const STRENGTHS: [f64; 2] = [0.9, 0.8];
 /// … and of the paper's hits.
 pub const WEIGHT: f32 = 0.9;
 
-/// Examples of a sheet of about so many vertices, in 16 bits, with normals or without.
+/// Examples of a sheet of about so many vertices, with normals or without.
 pub fn sheet(vertices: usize, dents: &[Dent], normals: bool, tasks: &dyn TaskSystem) -> Result<Arc<ExampleSet>> {
     let sheet = Sheet::new(vertices);
     let examples = dents.iter().map(|d| sheet.example(d)).collect();
@@ -31,16 +31,17 @@ pub fn at_strength(marks: &[Mark], share: f64) -> Vec<Mark> {
     marks.iter().map(|m| Mark { energy: energy as u64, ..*m }).collect()
 }
 
-/// Bytes a vertex that the library must move to evaluate one mark: base and result, stored numbers and their headers,
-/// and of each block its place in the list, in the example's table, and its bounds.
+/// Bytes a vertex that the library must move, whatever the number of marks: base and result, the weights of the nodes that the vertex
+/// follows and, of its tile, their numbers; of its block its place in the list, its limits and its bounds.
 pub fn bytes(set: &ExampleSet, normals: bool) -> f64 {
-    let report = set.report();
-    let moved = report.moved_vertices.max(1) as f64;
-    let stored = (report.anchored_bytes - if normals { 0 } else { report.normal_bytes }) as f64 / moved;
-    (if normals { 48.0 } else { 24.0 }) + stored + OF_BLOCKS
+    let nodes = f64::from(set.basis_report().map_or(0.0, |report| report.nodes_a_vertex));
+    let (vectors, weights, unit) = if normals { (48.0, 3.0, 4.0) } else { (24.0, 1.0, 0.0) };
+    vectors + weights * nodes + unit + 4.0 * nodes / TILE + OF_BLOCKS
 }
 
-/// Bytes of a block's entry in the list, in the example's table, and of its bounds, for each of its 128 vertices.
+/// Vertices that follow the same nodes.
+const TILE: f64 = 16.0;
+/// Bytes of a block's entry in the list, and of its limits and bounds, for each of its 128 vertices.
 const OF_BLOCKS: f64 = (8.0 + 4.0 + 24.0) / 128.0;
 
 /// Bodies of which some change their damage in every run, in turn between two strengths.

@@ -80,14 +80,12 @@ fn one(bench: &Bench<'_>, size: usize, largest: bool) -> Result<()> {
     bench.add(
         ours("positions")
             .moving(per_vertex[0], &copy_p)
-            .beside("classic", &c, Sense::Speed)
+            .beside("classic", &c, Sense::Cost)
             .checked(of_positions)
             .aim_if(largest, "classic"),
     );
     let share = Finding::time("vertices", "positions", "of_copy", count, &p, "ms").moving(per_vertex[0], &copy_p);
     bench.add(share.beside("copy", &copy_p, Sense::Speed).checked(of_positions).aim_if(largest, "bandwidth"));
-    let moved = Finding::value("vertices", "positions bytes", count, per_vertex[0], "B/vertex");
-    bench.add(moved.aim_if(largest, "bytes"));
     bench.add(ours("normals").moving(per_vertex[1], &copy_n).beside("copy", &copy_n, Sense::Speed).checked(of_normals));
     bench.add(
         found("classic", &c).moving(per_vertex[2], &copy_c).beside("copy", &copy_c, Sense::Speed).checked(of_classic),
