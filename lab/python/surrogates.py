@@ -240,7 +240,7 @@ class Surrogate:
 
 
 class Modes(Surrogate):
-    """Proper orthogonal decomposition of the examples' shapes, and kriging of the coefficients."""
+    """Proper orthogonal decomposition of the examples' shapes, and kriging of the coefficients. lab/src/accuracy/pod.rs has the same."""
 
     def fit(self, train: Hits) -> None:
         # A shallow dent's shape is mostly noise: it counts less.

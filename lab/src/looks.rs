@@ -12,6 +12,7 @@ use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, FlipPool};
 
 use crate::Options;
 use crate::accuracy::law::{Law, Sees, target};
+use crate::accuracy::pod::Pod;
 use crate::accuracy::radial::Radial;
 use crate::metric::{deepest, length, median, relative_l2};
 use crate::pictures::picture::{Body as Drawn, Camera, Finish, Image, Margins, View, legend, millimetres, photograph};
@@ -33,7 +34,8 @@ const PANEL: [usize; 2] = [524, 390];
 const MARGINS: Margins = Margins { side: 0.05, top: 0.21, bottom: 0.06 };
 const UP: Vec3 = Vec3::Z;
 
-const METHODS: [&str; 3] = ["crumple", "radial", "classic"];
+/// The first three are in the pictures.
+const METHODS: [&str; 4] = ["crumple", "radial", "classic", "pod"];
 const TITLES: [&str; 3] = ["Crumple", "a radial profile for each hit", "the literature: most displaced"];
 
 const COLUMNS: [&str; 13] = [
@@ -56,6 +58,10 @@ pub fn run(options: &Options) -> Result<()> {
     let mut table = Table::new(&COLUMNS);
     table.comment("command", "cargo xtask lab --only looks");
     table.comment("told", "the blow, as a rigid-body engine knows it; presses are told the displacement");
+    table.comment(
+        "methods",
+        "radial and classic are told the displacement of a law; pod: modes of the examples, and kriging",
+    );
     table.comment("hits", "1: medians over hits that no example shows; more: one body, hit so often at random places");
     table.comment(
         "normals",
@@ -108,6 +114,7 @@ struct Looks<'a> {
     /// The same where an example counts as moving a vertex from a tenth of a millimetre, as the classic rule needs it.
     cut: Arc<ExampleSet>,
     radial: Radial,
+    pod: Pod,
     law: Option<Law>,
     edges: Vec<Edge>,
     neighbours: Vec<Vec<u32>>,
@@ -160,6 +167,7 @@ impl<'a> Looks<'a> {
             set: scene::with_nodes(body, count)?,
             cut: scene::set(body, count, cut)?,
             radial: Radial::fit(body),
+            pod: Pod::fit(&body.train),
             law: Law::fit(&body.train, Sees::Striker),
             edges: edges.collect(),
             neighbours,
@@ -175,21 +183,27 @@ impl<'a> Looks<'a> {
                 let hits: Vec<Hit> = impacts.iter().map(scene::blow_hit).collect();
                 scene::field_after(&self.set, &InstanceOptions::default(), &hits)
             }
-            "radial" => {
-                let (mut all, mut one) = (vec![Vec3::ZERO; self.body.vertices.len()], Field::new());
-                for i in impacts {
-                    let told = Impact { displacement: target(i), field: Field::new(), ..i.clone() };
-                    self.radial.predict(self.body, &told, &mut one);
-                    all.iter_mut().zip(&one).for_each(|(sum, u)| *sum += Vec3::from_array(*u));
-                }
-                // What a game would do against bottomless dents.
-                Ok(all.iter().map(|u| u.clamp_length_max(self.set.depth_limit()).to_array()).collect())
-            }
+            "radial" => Ok(self.sum(impacts, |i| {
+                let told = Impact { displacement: target(i), field: Field::new(), ..i.clone() };
+                let mut field = Field::new();
+                self.radial.predict(self.body, &told, &mut field);
+                field
+            })),
+            "pod" => Ok(self.sum(impacts, |i| self.pod.predict(i))),
             _ => {
                 let hits: Vec<Hit> = impacts.iter().map(|i| Hit::displacement(i.point, target(i))).collect();
                 scene::field_after(&self.cut, &InstanceOptions::classic(Rule::MostDisplaced), &hits)
             }
         }
+    }
+
+    /// Dents that add, up to the depth limit: what a game would do against bottomless dents.
+    fn sum(&self, impacts: &[Impact], dent: impl Fn(&Impact) -> Field) -> Field {
+        let mut all = vec![Vec3::ZERO; self.body.vertices.len()];
+        for impact in impacts {
+            all.iter_mut().zip(dent(impact)).for_each(|(sum, u)| *sum += Vec3::from_array(u));
+        }
+        all.iter().map(|u| u.clamp_length_max(self.set.depth_limit()).to_array()).collect()
     }
 
     fn score(&self, field: &Field, truth: &Field, flip: f64) -> Score {
@@ -217,9 +231,9 @@ impl<'a> Looks<'a> {
     }
 
     /// The scores of all methods after these impacts, and the pictures: the truth's and theirs.
-    fn scores(&self, impacts: &[Impact], truth: &Field) -> Result<(Vec<Score>, [Image; 4], Vec<Field>)> {
+    fn scores(&self, impacts: &[Impact], truth: &Field) -> Result<(Vec<Score>, [Image; 5], Vec<Field>)> {
         let fields = METHODS.map(|m| self.field(m, impacts)).into_iter().collect::<Result<Vec<Field>>>()?;
-        let pictures = self.pictures([truth, &fields[0], &fields[1], &fields[2]]);
+        let pictures = self.pictures([truth, &fields[0], &fields[1], &fields[2], &fields[3]]);
         let score = |(field, picture): (&Field, &Image)| self.score(field, truth, flip(&pictures[0], picture));
         let scores = fields.iter().zip(&pictures[1..]).map(score).collect();
         Ok((scores, pictures, fields))
@@ -229,12 +243,14 @@ impl<'a> Looks<'a> {
     fn wrecked(&self, impacts: &[Impact], truth: &Field, options: &Options, table: &mut Table) -> Result<()> {
         let (scores, mut pictures, fields) = self.scores(impacts, truth)?;
         legend::caption(&mut pictures[0], 20, "the solver", &format!("{} mm deep", mm(truth)));
-        for (k, score) in scores.iter().enumerate() {
-            self.row(table, impacts.len(), METHODS[k], score, 1)?;
-            let detail = format!("error {:.2}, {} mm deep", score.0[0], mm(&fields[k]));
-            legend::caption(&mut pictures[k + 1], 20, TITLES[k], &detail);
+        for (method, score) in METHODS.iter().zip(&scores) {
+            self.row(table, impacts.len(), method, score, 1)?;
         }
-        let [a, b, c, d] = &pictures;
+        for (k, title) in TITLES.iter().enumerate() {
+            let detail = format!("error {:.2}, {} mm deep", scores[k].0[0], mm(&fields[k]));
+            legend::caption(&mut pictures[k + 1], 20, title, &detail);
+        }
+        let [a, b, c, d, _] = &pictures;
         let name = format!("looks_{}.png", self.body.name);
         save(&stacked(&a.beside(b), &c.beside(d)), &options.out.join(name))
     }

@@ -6,6 +6,7 @@
 pub mod law;
 pub mod learn;
 mod methods;
+pub mod pod;
 pub mod radial;
 pub mod told;
 
