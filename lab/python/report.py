@@ -386,7 +386,7 @@ def looks(directory):
     t = read(directory, "looks.csv")
     if t is None:
         return ""
-    methods = {"crumple": "Crumple", "radial": "radial profile", "classic": "classic"}
+    methods = {"crumple": "Crumple", "radial": "radial profile", "classic": "classic", "pod": "POD"}
     head = ["body", "hits", "method", "L2", "normals, mean / p95, degrees", "over reference", "curvature", "FLIP"]
 
     def line(r):
@@ -397,7 +397,7 @@ def looks(directory):
     single, worn = [r for r in t.rows if r["n"] > 1], [r for r in t.rows if r["n"] == 1]
     return f"""## 4. Looks
 
-{picture(directory, "looks", "Errors of displacements and of normals after 1, 4, 16 and 64 shots at a panel and a drum, for Crumple, a radial profile and the classic rule")}
+{picture(directory, "looks", "Errors of displacements and of normals after 1, 4, 16 and 64 shots at a panel and a drum, for Crumple, a radial profile, the classic rule and POD")}
 ![The panel after 64 shots: the solver's, Crumple's, a radial profile's and the classic rule's](looks_panel.png)
 
 ![The drum after 64 shots, by the same four](looks_tube.png)

@@ -16,6 +16,7 @@ CLASSIC = "#D55E00"
 PEER = "#009E73"
 PEER_2 = "#CC79A7"
 RADIAL = "#E69F00"
+POD = "#8C564B"
 FLOOR = "#7F7F7F"
 INK = "#222222"
 # Keeps a label readable where lines run under it.

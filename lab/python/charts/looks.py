@@ -3,13 +3,14 @@
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 import style
-from style import CLASSIC, OURS, RADIAL, plt
+from style import CLASSIC, OURS, POD, RADIAL, plt
 
 BODIES = [("panel", "panel"), ("tube", "drum")]
 METHODS = [
     ("crumple", "Crumple", {"color": OURS, "marker": "o"}),
     ("radial", "radial profile", {"color": RADIAL, "marker": "D", "ls": "-."}),
     ("classic", "classic rule", {"color": CLASSIC, "marker": "P"}),
+    ("pod", "POD and kriging", {"color": POD, "marker": "h", "ls": "--"}),
 ]
 MEASURES = [
     ("rel_l2", "relative L2 error of displacements", [0.05, 0.1, 0.2, 0.5, 1, 2]),

@@ -7,12 +7,12 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 import style
-from style import CLASSIC, EVERY_BODY, FLOOR, OURS, OURS_LIGHT, PEER, PEER_2, RADIAL, plt
+from style import CLASSIC, EVERY_BODY, FLOOR, OURS, OURS_LIGHT, PEER, PEER_2, POD, RADIAL, plt
 
 FULL = 24
 # What is above or below is drawn at the edge, with its value.
 SHOWN = (0.07, 2.3)
-LEARNED = [("POD and kriging", "#8C564B", "h"), ("neural field", "#444444", ">")]
+LEARNED = [("POD and kriging", POD, "h"), ("neural field", "#444444", ">")]
 
 
 def draw(directory):
