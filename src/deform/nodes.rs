@@ -5,7 +5,7 @@
 
 use super::view::{NodeSteps, NodeView};
 use crate::base::math::{MOST_WHOLE, small_whole};
-use crate::basis::field::{GROUP, MOST, NodeField};
+use crate::basis::field::{BESIDE, GROUP, MOST, NodeField};
 use crate::damage::list::Damage;
 use crate::damage::mark::Mark;
 use std::cmp::Ordering;
@@ -69,7 +69,8 @@ impl NodeState {
         NodeView { steps: &self.steps, step: self.step, farthest: self.farthest }
     }
 
-    /// Shows the damage, with nodes that approach `limit` (m). Calls `changed` with the nodes whose steps changed.
+    /// Shows the damage, with nodes that approach `limit` (m). Calls `changed` with the first of each
+    /// [`BESIDE`] nodes of which any changed its step.
     pub(crate) fn show(&mut self, damage: &Damage, limit: f32, mut changed: impl FnMut(u32)) {
         let limit = limit.min(self.most);
         if self.steps.is_empty() {
@@ -117,10 +118,11 @@ impl NodeState {
         for (first, ((is_touched, sums), steps)) in groups {
             *is_touched = false;
             let now = in_steps_of(sums, unit, limit, step);
-            for (node, (steps, now)) in (first..).zip(steps.iter_mut().zip(now)) {
-                let before = std::mem::replace(steps, now);
-                if before != now || everything && before != [0; 4] {
-                    changed(node);
+            for (few, (steps, now)) in (first..).step_by(BESIDE).zip(steps.chunks_mut(BESIDE).zip(now.chunks(BESIDE))) {
+                let now = &now[..steps.len()];
+                if steps != now || everything && steps.iter().any(|s| *s != [0; 4]) {
+                    steps.copy_from_slice(now);
+                    changed(few);
                 }
             }
         }

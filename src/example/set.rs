@@ -8,6 +8,7 @@ use super::report::{LodReport, SetReport};
 use super::rule::{LearnedRule, Source};
 use crate::base::array::Array;
 use crate::base::error::Error;
+use crate::basis::field::BESIDE;
 use crate::basis::learn::BasisReport;
 use crate::basis::{Rows, TILE};
 use crate::mesh::mirror::Mirror;
@@ -62,7 +63,7 @@ pub(crate) struct SetNodes {
     followers: Vec<Followers>,
 }
 
-/// The blocks of a mesh that have a vertex which follows each node: where those of each node end, and the blocks.
+/// The blocks of a mesh that have a vertex which follows any of each [`BESIDE`] nodes: where those of these nodes end, and the blocks.
 #[derive(Debug)]
 pub(crate) struct Followers {
     ends: Vec<u32>,
@@ -78,36 +79,37 @@ impl SetNodes {
 
 impl Followers {
     fn new(rows: &Rows, nodes: usize) -> Self {
-        // Each node and block once, by block.
+        let count = nodes.div_ceil(BESIDE);
+        // Each few nodes and each block once, by block.
         let visit = |f: &mut dyn FnMut(usize, u32)| {
-            let mut last = vec![u32::MAX; nodes];
+            let mut last = vec![u32::MAX; count];
             for tile in 0..rows.tiles.len() {
                 let block = (tile / (BLOCK / TILE)) as u32;
-                for node in rows.nodes_of(tile).iter().map(|n| *n as usize) {
-                    if std::mem::replace(&mut last[node], block) != block {
-                        f(node, block);
+                for few in rows.nodes_of(tile).iter().map(|n| *n as usize / BESIDE) {
+                    if std::mem::replace(&mut last[few], block) != block {
+                        f(few, block);
                     }
                 }
             }
         };
-        let mut ends = vec![0u32; nodes];
-        visit(&mut |node, _| ends[node] += 1);
+        let mut ends = vec![0u32; count];
+        visit(&mut |few, _| ends[few] += 1);
         let mut sum = 0;
         for end in &mut ends {
             sum += *end;
             *end = sum - *end;
         }
         let mut blocks = vec![0; sum as usize];
-        visit(&mut |node, block| {
-            blocks[ends[node] as usize] = block;
-            ends[node] += 1;
+        visit(&mut |few, block| {
+            blocks[ends[few] as usize] = block;
+            ends[few] += 1;
         });
         Followers { ends, blocks }
     }
 
-    /// The blocks with a vertex that follows the node.
+    /// The blocks with a vertex that follows the node or one of the [`BESIDE`] nodes with which it is counted.
     pub(crate) fn of(&self, node: u32) -> &[u32] {
-        let n = node as usize;
+        let n = node as usize / BESIDE;
         let from = if n == 0 { 0 } else { self.ends[n - 1] };
         &self.blocks[from as usize..self.ends[n] as usize]
     }
