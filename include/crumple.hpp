@@ -510,6 +510,10 @@ public:
     Result<uint32_t> find_part(const char *name) const {
         return detail::get<uint32_t>([&](uint32_t *lod) { return crumple_example_set_find_part(context(), id(), name, lod); });
     }
+    /// The name, the kind and the sizes of a part of such a set: a lod from 1 on. The name is valid until the set is destroyed.
+    Result<CrumplePart> part(uint32_t lod) const {
+        return detail::get<CrumplePart>([&](CrumplePart *part) { return crumple_example_set_get_part(context(), id(), lod, part); });
+    }
     Result<CrumpleAttachment> attach(CrumpleVec3 point) const {
         return detail::get<CrumpleAttachment>(
             [&](CrumpleAttachment *attachment) { return crumple_example_set_attach_point(context(), id(), point, attachment); });

@@ -7,6 +7,16 @@
 
 #include "crumple_build.h"
 
+/// What a part of a body does when it is hit.
+typedef enum CrumplePartKind {
+    /// It dents.
+    CRUMPLE_PART_KIND_DENTS = 0,
+    /// It never moves, such as a wheel.
+    CRUMPLE_PART_KIND_RIGID = 1,
+    /// It follows dents around it. See crumple_instance_set_part_rigid().
+    CRUMPLE_PART_KIND_GLASS = 2,
+} CrumplePartKind;
+
 /// Which mesh of a glTF file to load, and the options of the set.
 typedef struct CrumpleGltfDef {
     uint32_t struct_size;
@@ -19,8 +29,9 @@ typedef struct CrumpleGltfDef {
     const char *path;
     /// Whether to join the meshes of all nodes, but those of other scenes, to one body, each where its node places it. Default
     /// false. Each node with a mesh then is a part: lods 1 and up, in the order of the nodes; see
-    /// crumple_example_set_find_part(). If there are more than 63, the smallest belong to the part of a node above them. Morph
-    /// targets of the same name are one example if they lie near each other. mesh_index and mesh_name are not used.
+    /// crumple_example_set_get_part(). If there are more than 63, the smallest belong to the part of a node above them. Behind
+    /// these come the panes: a primitive with a glass material is a part too, a piece of its node's, named after the material.
+    /// Morph targets of the same name are one example if they lie near each other. mesh_index and mesh_name are not used.
     bool join_nodes;
     /// Length of the file's unit, m. Default 1.
     float unit;
@@ -63,6 +74,20 @@ typedef struct CrumplePrimitive {
     uint32_t reserved[2];
 } CrumplePrimitive;
 
+/// A part of a body that was loaded with join_nodes. It is a mesh of its own, and a stretch of the base mesh with the same
+/// vertices and triangles in the same order.
+typedef struct CrumplePart {
+    /// As crumple_example_set_find_part() takes it, UTF-8, valid until the set is destroyed. Never null.
+    const char *name;
+    CrumplePartKind kind;
+    uint32_t first_vertex;
+    uint32_t vertex_count;
+    /// First triangle. Its first index is 3 * first_triangle.
+    uint32_t first_triangle;
+    uint32_t triangle_count;
+    uint32_t reserved[3];
+} CrumplePart;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -94,11 +119,16 @@ CrumpleResult crumple_example_set_load_obj(CrumpleContext *context, const Crumpl
 CrumpleResult crumple_example_set_get_primitive(CrumpleContext *context, CrumpleExampleSet set, uint32_t primitive,
                                                 CrumplePrimitive *out_primitive);
 
-/// Returns the number of a part by the name of its node, or of the node's mesh if the node has none: a lod, 1 and up. The
+/// Returns the number of a part by its name, that of its node, or of the node's mesh if the node has none: a lod, 1 and up. The
 /// first of that name. Only for sets that were loaded with join_nodes; baked sets keep the numbers, not the names.
 /// CRUMPLE_ERROR_INVALID_ARGUMENT: no such part.
 CrumpleResult crumple_example_set_find_part(CrumpleContext *context, CrumpleExampleSet set, const char *name,
                                             uint32_t *out_lod);
+
+/// Returns the name, the kind and the sizes of a part: a lod from 1 to lod_count - 1. Only for sets that were loaded with
+/// join_nodes. CRUMPLE_ERROR_INVALID_ARGUMENT: no such part.
+CrumpleResult crumple_example_set_get_part(CrumpleContext *context, CrumpleExampleSet set, uint32_t part,
+                                           CrumplePart *out_part);
 
 #ifdef __cplusplus
 }  // extern "C"

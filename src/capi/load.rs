@@ -7,7 +7,7 @@ use super::check::{Out, array, def, defs, item, required_string, zeroed};
 #[cfg(feature = "gltf")]
 use super::check::{boolean, string};
 use super::context::{Context, CrumpleContext, exclusive};
-use super::primitive::CrumplePrimitive;
+use super::primitive::{CrumplePart, CrumplePrimitive};
 use super::result::{CrumpleResult, Failure};
 #[cfg(feature = "gltf")]
 use super::set::{c_string, insert_set};
@@ -32,8 +32,9 @@ pub struct CrumpleGltfDef {
     pub path: *const c_char,
     /// Whether to join the meshes of all nodes, but those of other scenes, to one body, each where its node places it. Default
     /// false. Each node with a mesh then is a part: lods 1 and up, in the order of the nodes; see
-    /// crumple_example_set_find_part(). If there are more than 63, the smallest belong to the part of a node above them. Morph
-    /// targets of the same name are one example if they lie near each other. mesh_index and mesh_name are not used.
+    /// crumple_example_set_get_part(). If there are more than 63, the smallest belong to the part of a node above them. Behind
+    /// these come the panes: a primitive with a glass material is a part too, a piece of its node's, named after the material.
+    /// Morph targets of the same name are one example if they lie near each other. mesh_index and mesh_name are not used.
     pub join_nodes: MaybeUninit<bool>,
     /// Length of the file's unit, m. Default 1.
     pub unit: f32,
@@ -229,7 +230,7 @@ unsafe fn add_imported(
         set.add_lod(mesh, &tasks)?;
     }
     let id = insert_set(context, state, set, file, out)?;
-    state.sets.get_mut(id, "set")?.parts = parts.into_iter().map(|part| part.name).collect();
+    state.sets.get_mut(id, "set")?.parts = parts.into_iter().map(Into::into).collect();
     Ok(())
 }
 
@@ -248,7 +249,7 @@ pub unsafe extern "C" fn crumple_example_set_get_primitive(
     })
 }
 
-/// Returns the number of a part by the name of its node, or of the node's mesh if the node has none: a lod, 1 and up. The
+/// Returns the number of a part by its name, that of its node, or of the node's mesh if the node has none: a lod, 1 and up. The
 /// first of that name. Only for sets that were loaded with join_nodes; baked sets keep the numbers, not the names.
 /// CRUMPLE_ERROR_INVALID_ARGUMENT: no such part.
 #[unsafe(no_mangle)]
@@ -261,10 +262,32 @@ pub unsafe extern "C" fn crumple_example_set_find_part(
     exclusive("crumple_example_set_find_part", context, |_, state| {
         let (name, out) = (required_string(name, "name")?, Out::new(out_lod, "out_lod")?);
         let parts = &state.sets.get(set, "set")?.parts;
-        let at = parts.iter().position(|part| part == name).ok_or_else(|| {
-            Failure::invalid(format!("name is '{name}'; it must be one of the set's {} parts: {parts:?}", parts.len()))
+        let at = parts.iter().position(|part| part.name.to_bytes() == name.as_bytes()).ok_or_else(|| {
+            let names: Vec<_> = parts.iter().map(|part| part.name.to_string_lossy()).collect();
+            Failure::invalid(format!("name is '{name}'; it must be one of the set's {} parts: {names:?}", parts.len()))
         })?;
         out.write(at as u32 + 1);
+        Ok(())
+    })
+}
+
+/// Returns the name, the kind and the sizes of a part: a lod from 1 to lod_count - 1. Only for sets that were loaded with
+/// join_nodes. CRUMPLE_ERROR_INVALID_ARGUMENT: no such part.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn crumple_example_set_get_part(
+    context: *mut CrumpleContext,
+    set: CrumpleExampleSet,
+    part: u32,
+    out_part: *mut CrumplePart,
+) -> CrumpleResult {
+    exclusive("crumple_example_set_get_part", context, |_, state| {
+        let out = Out::new(out_part, "out_part")?;
+        let parts = &state.sets.get(set, "set")?.parts;
+        let found = (part as usize).checked_sub(1).and_then(|at| parts.get(at));
+        let found = found.ok_or_else(|| {
+            Failure::invalid(format!("part is {part}; it must be one of the set's parts, 1 to {}", parts.len()))
+        })?;
+        out.write(found.told());
         Ok(())
     })
 }

@@ -6,7 +6,7 @@ use super::device::{Attached, VulkanMemory};
 use super::graph_types::GraphState;
 use super::host_memory::HostMemory;
 use super::ids::Slots;
-use super::primitive::CrumplePrimitive;
+use super::primitive::{CrumplePrimitive, PartEntry};
 use super::result::Failure;
 use super::types::{CrumpleBuffer, CrumpleExampleSet, CrumpleInstance};
 use crate::base::math::Aabb;
@@ -29,8 +29,8 @@ pub(super) struct SetEntry {
     /// What `primitives` points to.
     pub(super) materials: Vec<CString>,
     pub(super) node_transform: Option<[f32; 16]>,
-    /// Names of the parts of a glTF body: of lods 1 and up.
-    pub(super) parts: Vec<String>,
+    /// The parts of a glTF body: lods 1 and up.
+    pub(super) parts: Vec<PartEntry>,
 }
 
 impl SetEntry {

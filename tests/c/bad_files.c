@@ -42,8 +42,25 @@ static void gltf(const char *path, const char *folder) {
     OK(crumple_example_set_get_info(context, set, &info));
     OK(crumple_example_set_find_part(context, set, "Plate", &part));
     FACT(info.lod_count == 2 && part == 1);
+    CrumplePart told;
+    OK(crumple_example_set_get_part(context, set, part, &told));
+    FACT(strcmp(told.name, "Plate") == 0 && told.kind == CRUMPLE_PART_KIND_DENTS);
+    FACT(told.first_vertex == 0 && told.vertex_count == info.vertex_count);
+    FACT(told.first_triangle == 0 && told.triangle_count == info.triangle_count);
+    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "part is 0", told, crumple_example_set_get_part(context, set, 0, &told));
+    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "1 to 1", told, crumple_example_set_get_part(context, set, 2, &told));
     FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "Plate", part, crumple_example_set_find_part(context, set, "Bumper", &part));
     OK(crumple_example_set_destroy(context, set));
+    def.join_nodes = false;
+
+    // Kinds of parts.
+    def.join_nodes = true;
+    def.glass = "Plate";
+    OK(crumple_example_set_load_gltf(context, &def, &set));
+    OK(crumple_example_set_get_part(context, set, 1, &told));
+    FACT(told.kind == CRUMPLE_PART_KIND_GLASS);
+    OK(crumple_example_set_destroy(context, set));
+    def.glass = NULL;
     def.join_nodes = false;
 
     // Patterns, one a line.

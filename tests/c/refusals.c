@@ -298,6 +298,8 @@ CALL(load_obj, CrumpleObjDef def = crumple_obj_def_default(); def.base_path = pl
 CALL(primitive, CrumplePrimitive info; return crumple_example_set_get_primitive(w->context, w->set, 0, &info);)
 CALL(find_part, uint32_t lod; CrumpleResult result = crumple_example_set_find_part(w->context, w->set, "wing", &lod);
      return result == CRUMPLE_ERROR_INVALID_ARGUMENT ? CRUMPLE_OK : result;)
+CALL(get_part, CrumplePart part; CrumpleResult result = crumple_example_set_get_part(w->context, w->set, 1, &part);
+     return result == CRUMPLE_ERROR_INVALID_ARGUMENT ? CRUMPLE_OK : result;)
 // crumple_parts.h
 CALL(release_part, return crumple_instance_release_part(w->context, w->second, 1, &w->made);)
 CALL(mount_part, return crumple_instance_mount_part(w->context, w->whole, w->part, true);)
@@ -339,7 +341,7 @@ static const struct {
     EACH(buffer_info), EACH(invalidate), EACH(set_memory), EACH(deform), EACH(changed_buffers), EACH(changes),
     EACH_LOAD(0, create_set), EACH(add_lod), EACH(save_baked), EACH(keep_out), EACH(example_info), EACH(map_damage),
     EACH_LOAD(CRUMPLE_FEATURE_GLTF, load_gltf), EACH_LOAD(CRUMPLE_FEATURE_GLTF, load_gltf_memory),
-    EACH_LOAD(CRUMPLE_FEATURE_OBJ, load_obj), EACH(primitive), EACH(find_part), EACH(release_part), EACH(mount_part),
+    EACH_LOAD(CRUMPLE_FEATURE_OBJ, load_obj), EACH(primitive), EACH(find_part), EACH(get_part), EACH(release_part), EACH(mount_part),
     EACH(part_rigid), EACH(measure_part), EACH(attach_point), EACH(attached_pose), EACH(nearest_vertex),
     EACH(changed_triangles), EACH(set_time), EACH(set_view),
     EACH(vertex_budget), EACH(share), EACH_OF(VULKAN, graph_kernel), EACH_OF(VULKAN, register_graph),

@@ -183,7 +183,12 @@ impl Host<'_> {
             16 => crumple_example_set_get_primitive(context, set, self.word()?, MaybeUninit::uninit().as_mut_ptr()),
             17 => {
                 let (name, mut lod) = (self.path(c"hood")?, 0);
-                crumple_example_set_find_part(context, set, name, &mut lod)
+                let result = crumple_example_set_find_part(context, set, name, &mut lod);
+                let mut part = MaybeUninit::<CrumplePart>::uninit();
+                if crumple_example_set_get_part(context, set, lod, part.as_mut_ptr()) == CrumpleResult::CrumpleOk {
+                    CStr::from_ptr(part.assume_init_ref().name).to_str().expect("UTF-8");
+                }
+                result
             }
             18 => {
                 let streams = self.buffer_def()?;

@@ -525,6 +525,14 @@ class CrumpleDamageMapping(c.Structure):
     ]
 
 
+class CrumplePartKind(IntEnum):
+    """What a part of a body does when it is hit."""
+
+    DENTS = 0
+    RIGID = 1
+    GLASS = 2
+
+
 class CrumpleGltfDef(c.Structure):
     _fields_ = [
         ("struct_size", c.c_uint32),
@@ -560,6 +568,18 @@ class CrumplePrimitive(c.Structure):
         ("first_triangle", c.c_uint32),
         ("triangle_count", c.c_uint32),
         ("reserved", c.c_uint32 * 2),
+    ]
+
+
+class CrumplePart(c.Structure):
+    _fields_ = [
+        ("name", c.c_char_p),
+        ("kind", c.c_uint32),
+        ("first_vertex", c.c_uint32),
+        ("vertex_count", c.c_uint32),
+        ("first_triangle", c.c_uint32),
+        ("triangle_count", c.c_uint32),
+        ("reserved", c.c_uint32 * 3),
     ]
 
 
@@ -815,6 +835,7 @@ FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "crumple_example_set_load_obj": (c.c_uint32, [c.c_void_p, c.POINTER(CrumpleObjDef), c.POINTER(CrumpleExampleSet)]),
     "crumple_example_set_get_primitive": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.c_uint32, c.POINTER(CrumplePrimitive)]),
     "crumple_example_set_find_part": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.c_char_p, c.POINTER(c.c_uint32)]),
+    "crumple_example_set_get_part": (c.c_uint32, [c.c_void_p, CrumpleExampleSet, c.c_uint32, c.POINTER(CrumplePart)]),
     "crumple_instance_release_part": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint32, c.POINTER(CrumpleInstance)]),
     "crumple_instance_mount_part": (c.c_uint32, [c.c_void_p, CrumpleInstance, CrumpleInstance, c.c_bool]),
     "crumple_instance_set_part_rigid": (c.c_uint32, [c.c_void_p, CrumpleInstance, c.c_uint32, c.c_bool]),

@@ -204,6 +204,9 @@ namespace Crumple.Native
         public static extern CrumpleResult crumple_example_set_find_part(IntPtr context, CrumpleExampleSet set, IntPtr name,
             uint* outLod);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
+        public static extern CrumpleResult crumple_example_set_get_part(IntPtr context, CrumpleExampleSet set, uint part,
+            CrumplePart* outPart);
+        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]
         public static extern CrumpleResult crumple_instance_release_part(IntPtr context, CrumpleInstance instance, uint part,
             CrumpleInstance* outPart);
         [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]

@@ -507,6 +507,13 @@ namespace Crumple
         public fixed uint Reserved[3];
     }
 
+    public enum CrumplePartKind
+    {
+        Dents = 0,
+        Rigid = 1,
+        Glass = 2,
+    }
+
     public partial struct CrumpleGltfDef
     {
         public uint StructSize;
@@ -544,6 +551,17 @@ namespace Crumple
         public uint FirstTriangle;
         public uint TriangleCount;
         public fixed uint Reserved[2];
+    }
+
+    public unsafe partial struct CrumplePart
+    {
+        public IntPtr Name;
+        public CrumplePartKind Kind;
+        public uint FirstVertex;
+        public uint VertexCount;
+        public uint FirstTriangle;
+        public uint TriangleCount;
+        public fixed uint Reserved[3];
     }
 
     public unsafe partial struct CrumpleAttachment
