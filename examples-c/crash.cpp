@@ -1,7 +1,7 @@
 // A rigid-body engine (ODE) drops drums, a hood and a ball. Its contacts become dents.
 //
 //     crash HOOD.glb DRUM.glb FOLDER        writes FOLDER/frame_00.obj …
-#include "ode_contacts.hpp"
+#include "ode_world.hpp"
 
 #include <array>
 #include <cmath>
@@ -52,49 +52,12 @@ struct Model {
     }
 };
 
-struct Scene {
-    dWorldID world = dWorldCreate();
-    dSpaceID space = dHashSpaceCreate(nullptr);
-    dJointGroupID joints = dJointGroupCreate(0);
-    OdeContacts contacts;
-
-    explicit Scene(crumple::Context &context) : contacts(context) {
-        dWorldSetGravity(world, 0, 0, -9.81);
-        dWorldSetERP(world, 0.2);
-        dWorldSetCFM(world, 1e-6);
-        dCreatePlane(space, 0, 0, 1, 0);
-    }
-    ~Scene() {
-        dJointGroupDestroy(joints);
-        dSpaceDestroy(space);
-        dWorldDestroy(world);
-    }
-
-    static void near(void *user, dGeomID a, dGeomID b) {
-        auto &scene = *static_cast<Scene *>(user);
-        if (dGeomGetBody(a) == dGeomGetBody(b)) return;
-        std::array<dContactGeom, 16> found;
-        const int count = dCollide(a, b, int(found.size()), found.data(), sizeof found[0]);
-        for (int i = 0; i < count; ++i) {
-            dContact contact{};
-            contact.geom = found[size_t(i)];
-            contact.surface.mode = dContactBounce;
-            contact.surface.mu = 0.6;
-            contact.surface.bounce = 0.1;
-            contact.surface.bounce_vel = 0.5;
-            const dJointID joint = dJointCreateContact(scene.world, scene.joints, &contact);
-            dJointAttach(joint, dGeomGetBody(a), dGeomGetBody(b));
-            scene.contacts.add(joint, contact.geom);
-        }
-    }
-
-    void step() {
-        dSpaceCollide(space, this, near);
-        dWorldStep(world, STEP);
-        contacts.step(STEP);
-        dJointGroupEmpty(joints);
-    }
-};
+void bounces(dContact &contact, int) {
+    contact.surface.mode = dContactBounce;
+    contact.surface.mu = 0.6;
+    contact.surface.bounce = 0.1;
+    contact.surface.bounce_vel = 0.5;
+}
 
 // A body of the scene. ODE simulates it as a rigid body; Crumple dents it.
 struct Body {
@@ -121,7 +84,7 @@ struct Body {
                      .value();
     }
 
-    void add(Scene &scene, dGeomID geom) {
+    void add(OdeWorld &scene, dGeomID geom) {
         dGeomSetBody(geom, body);
         scene.contacts.dent(geom, instance.id());
     }
@@ -167,7 +130,10 @@ struct Body {
 void run(const char *hood_file, const char *drum_file, const std::string &folder) {
     crumple::Context context;
     const Model hood(context, hood_file), drum(context, drum_file);
-    Scene scene(context);
+    OdeWorld scene(context, 0, -9.81, bounces);
+    dWorldSetERP(scene.world, 0.2);
+    dWorldSetCFM(scene.world, 1e-6);
+    dCreatePlane(scene.space, 0, 0, 1, 0);
 
     // A bollard and a ball. They have no mesh and are never dented.
     const dGeomID bollard = dCreateBox(scene.space, 0.15, 0.15, 0.5);
@@ -205,7 +171,7 @@ void run(const char *hood_file, const char *drum_file, const std::string &folder
     for (int step = 0; step * STEP <= SECONDS; ++step) {
         const double time = step * STEP;
         for (auto &body : bodies) follow_body(body->instance, body->body);
-        scene.step();
+        scene.step(STEP);
         context.deform().value();
         if (time >= frame * SECONDS / (FRAMES - 1) - 1e-9) {
             char name[32];
@@ -232,14 +198,11 @@ int main(int argc, char **argv) {
         std::fprintf(stderr, "usage: crash HOOD.glb DRUM.glb FOLDER\n");
         return 2;
     }
-    dInitODE2(0);
-    int status = 0;
     try {
         run(argv[1], argv[2], argv[3]);
     } catch (const crumple::Error &error) {
         std::fprintf(stderr, "%s: %s\n", crumple_result_name(error.result()), error.what());
-        status = 1;
+        return 1;
     }
-    dCloseODE();
-    return status;
+    return 0;
 }

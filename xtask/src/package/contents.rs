@@ -19,6 +19,7 @@ const COPIED: &[&str] = &[
     "CHANGELOG.md",
     "LICENSE-APACHE",
     "LICENSE-MIT",
+    "assets/car/car_dents.glb",
     "assets/demo",
     "bindings/unity",
     "bindings/unreal",
