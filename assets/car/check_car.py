@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+import packing
 import shape
 from make_car import EXPECTED
 
@@ -124,6 +125,22 @@ def closed(name, primitives):
     return v
 
 
+def unpacks(path):
+    """The unpacked file has the bounds that the packed one says."""
+    data = packing.unpacked(path.read_bytes())
+    size = int.from_bytes(data[12:16], "little")
+    g, body = json.loads(data[20 : 20 + size]), data[28 + size :]
+    for a in g["accessors"]:
+        # A morph target's other vertices do not move.
+        view, count = (a["sparse"]["values"], a["sparse"]["count"]) if "sparse" in a else (a, a["count"])
+        if "min" not in a or "bufferView" not in view:
+            continue
+        at = g["bufferViews"][view["bufferView"]]["byteOffset"] + view.get("byteOffset", 0)
+        v = np.frombuffer(body, "<f4", 3 * count, at).reshape(-1, 3)
+        v = np.concatenate([v, np.zeros((int(count < a["count"]), 3))])
+        require((v.min(0) == a["min"]).all() and (v.max(0) == a["max"]).all(), f"{path.name} unpacks to other bounds: {v.min(0)}, {v.max(0)}")
+
+
 def main():
     if len(sys.argv) != 2:
         raise SystemExit(__doc__)
@@ -166,6 +183,7 @@ def main():
         require(low <= told[key] <= high, f"{key} is {told[key]}")
     low, high = vertices(car["hood"]).min(0), vertices(car["trunk"]).max(0)
     require(low[0] > 0 > high[0], "the hood is not in front of the trunk")
+    unpacks(Path(__file__).with_name("car_dents.glb"))
     print(f"the car is as it should be: {len(car)} parts, {total} vertices; {few} in the coarse level; {len(inner)} closed inner solids")
 
 

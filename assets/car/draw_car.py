@@ -104,15 +104,19 @@ def zebra():
     return m
 
 
+def face_x(objects):
+    """The importer turns glTF's z, the car's front, to -y. Here the front is x."""
+    for o in [o for o in objects if o.parent is None]:
+        o.rotation_mode = "XYZ"
+        o.rotation_euler = (o.rotation_euler[0], o.rotation_euler[1], math.radians(90))
+
+
 def load(scene, glb, striped):
     """The objects of a car."""
     before = set(scene.objects)
     bpy.ops.import_scene.gltf(filepath=str(glb.resolve()))
     new = [o for o in scene.objects if o not in before]
-    # The importer turns glTF's z, the car's front, to -y. Here the front is x.
-    for o in [o for o in new if o.parent is None]:
-        o.rotation_mode = "XYZ"
-        o.rotation_euler = (o.rotation_euler[0], o.rotation_euler[1], math.radians(90))
+    face_x(new)
     if striped:
         for o in [o for o in new if o.type == "MESH"]:
             for slot in o.material_slots:
@@ -121,24 +125,34 @@ def load(scene, glb, striped):
     return new
 
 
+def prepare(scene, size, samples):
+    """Sets how pictures are drawn, and adds the camera."""
+    scene.render.engine = "CYCLES"
+    scene.cycles.samples, scene.cycles.use_denoising = samples, True
+    scene.cycles.max_bounces, scene.cycles.transparent_max_bounces = 5, 8
+    scene.render.resolution_x, scene.render.resolution_y = size
+    scene.view_settings.view_transform, scene.view_settings.look = "AgX", "AgX - Medium High Contrast"
+    scene.view_settings.exposure = 0.35
+    camera = scene.camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
+    camera.data.lens = 62
+    scene.collection.objects.link(camera)
+
+
+def aim(camera, middle, azimuth, elevation, distance):
+    az, el = math.radians(azimuth), math.radians(elevation)
+    camera.location = middle + distance * Vector((math.cos(az) * math.cos(el), math.sin(az) * math.cos(el), math.sin(el)))
+    camera.rotation_euler = (middle - camera.location).to_track_quat("-Z", "Y").to_euler()
+
+
 def main():
     a = arguments()
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
     studio(scene)
+    prepare(scene, a.size, a.samples)
     r = scene.render
-    r.engine = "CYCLES"
-    scene.cycles.samples, scene.cycles.use_denoising = a.samples, True
-    scene.cycles.max_bounces, scene.cycles.transparent_max_bounces = 5, 8
-    r.resolution_x, r.resolution_y = a.size
-    scene.view_settings.view_transform = "AgX" if not a.zebra else "Standard"
-    if not a.zebra:
-        scene.view_settings.look = "AgX - Medium High Contrast"
-        scene.view_settings.exposure = 0.35
-    camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
-    camera.data.lens = 62
-    scene.collection.objects.link(camera)
-    scene.camera = camera
+    if a.zebra:
+        scene.view_settings.view_transform, scene.view_settings.look, scene.view_settings.exposure = "Standard", "None", 0
     pictures, striped, car = [], zebra() if a.zebra else None, []
     for glb, view in [(glb, view) for glb in a.glb for view in a.views]:
         if view == a.views[0]:
@@ -146,12 +160,10 @@ def main():
                 bpy.data.objects.remove(o, do_unlink=True)
             car = load(scene, glb, striped)
         azimuth, elevation, distance = VIEWS[view]
-        az, el = math.radians(azimuth), math.radians(elevation)
         middle = Vector((-0.05, 0, 0.62))
         if a.focus:
             middle, distance = Vector(a.focus[:3]), distance / a.focus[3]
-        camera.location = middle + distance * Vector((math.cos(az) * math.cos(el), math.sin(az) * math.cos(el), math.sin(el)))
-        camera.rotation_euler = (middle - camera.location).to_track_quat("-Z", "Y").to_euler()
+        aim(scene.camera, middle, azimuth, elevation, distance)
         with tempfile.TemporaryDirectory() as folder:
             r.filepath = os.path.join(folder, "view.png")
             bpy.ops.render.render(write_still=True)
@@ -170,4 +182,5 @@ def main():
     os._exit(0)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -47,7 +47,6 @@ def to_gltf(v):
 # Powers of two of what packed numbers are multiples of: 0.03 and 0.06 mm, and a 4096th of a texture.
 PLACE, MOVE, TEXEL = -15, -14, -12
 NORMAL_BITS = 13
-EXTENSION = "EXT_meshopt_compression"
 
 
 class Store:
@@ -75,7 +74,7 @@ class Store:
         extension = {"buffer": 0, "byteOffset": self._append(content), "byteLength": len(content), "byteStride": stride, "mode": mode, "count": len(array)}
         if filtered != "NONE":
             extension["filter"] = filtered
-        self.views.append({"buffer": 1, "byteOffset": self.unpacked, "byteLength": array.nbytes, "extensions": {EXTENSION: extension}})
+        self.views.append({"buffer": 1, "byteOffset": self.unpacked, "byteLength": array.nbytes, "extensions": {packing.EXTENSION: extension}})
         self.unpacked += (array.nbytes + 3) // 4 * 4
         return len(self.views) - 1
 
@@ -191,9 +190,9 @@ def write(path, nodes, extras=None, targets=None, kinds=None):
             g["extensionsUsed"] = ["KHR_materials_clearcoat"]
     if store.packs:
         g["scenes"][0]["extras"] = {"targets": "joined"}
-        g["extensionsUsed"] = [*g.get("extensionsUsed", []), "KHR_mesh_quantization", EXTENSION]
-        g["extensionsRequired"] = ["KHR_mesh_quantization", EXTENSION]
-        g["buffers"].append({"byteLength": store.unpacked, "extensions": {EXTENSION: {"fallback": True}}})
+        g["extensionsUsed"] = [*g.get("extensionsUsed", []), "KHR_mesh_quantization", packing.EXTENSION]
+        g["extensionsRequired"] = ["KHR_mesh_quantization", packing.EXTENSION]
+        g["buffers"].append({"byteLength": store.unpacked, "extensions": {packing.EXTENSION: {"fallback": True}}})
     if extras:
         g["asset"]["extras"] = extras
     data = store.data

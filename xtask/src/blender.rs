@@ -34,6 +34,10 @@ pub struct Options {
     /// Folder for the archive
     #[arg(long, value_name = "DIR", default_value = "out/extension")]
     out: PathBuf,
+    /// Also dent the car of assets/car with it in Blender without a window, and draw this into car.png there; this installs
+    /// `bpy`, about 400 MB
+    #[arg(long)]
+    picture: bool,
 }
 
 /// `cargo xtask extension`: the archive for this system, which Blender installs.
@@ -41,6 +45,16 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
     let wheel = python::build(workspace, true, &workspace.target.join("package/blender-wheel"))?;
     let archive = pack(workspace, &wheel, &workspace.path(&options.out))?;
     println!("{} ({:.1} MB)", archive.display(), fs::metadata(&archive)?.len() as f64 / 1e6);
+    if options.picture {
+        let (sh, python) = (&workspace.shell, module(workspace, NEWEST)?);
+        let script = workspace.path(BINDING).join("examples/dent_car.py");
+        let picture = archive.with_file_name("car.png");
+        let home = workspace.target.join("blender-extension/home");
+        empty_directory(&home)?;
+        let _home = sh.push_env("BLENDER_USER_RESOURCES", &home);
+        cmd!(sh, "{python} -B {script} {archive} {picture}").quiet().ignore_stdout().run()?;
+        println!("{}", picture.display());
+    }
     Ok(())
 }
 
