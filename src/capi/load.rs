@@ -6,14 +6,19 @@ use super::build::{CrumpleExampleSetOptions, default_options};
 use super::check::{Out, array, def, defs, item, required_string, zeroed};
 #[cfg(feature = "gltf")]
 use super::check::{boolean, string};
-use super::context::{Context, CrumpleContext, exclusive};
+#[cfg(feature = "gltf")]
+use super::context::Context;
+use super::context::{CrumpleContext, exclusive};
 use super::primitive::{CrumplePart, CrumplePrimitive};
 use super::result::{CrumpleResult, Failure};
 #[cfg(feature = "gltf")]
 use super::set::{c_string, insert_set};
+#[cfg(feature = "gltf")]
 use super::store::State;
+#[cfg(feature = "gltf")]
 use super::tasks::Quiet;
 use super::types::CrumpleExampleSet;
+#[cfg(feature = "gltf")]
 use crate::example::set::ExampleSet;
 use std::ffi::{c_char, c_void};
 use std::mem::MaybeUninit;

@@ -89,7 +89,7 @@ fn followed(
 ) -> Aabb {
     let (mut normals, base_normals) = normals.unzip();
     let mesh = &job.lod.mesh;
-    if nodes.steps.is_empty() {
+    if nodes.farthest == 0 {
         positions.copy_from_slice(base);
         if let Some((to, base)) = normals.zip(base_normals) {
             to.copy_from_slice(base);

@@ -35,7 +35,7 @@ pub(crate) struct NodeView<'a> {
     pub steps: &'a [NodeSteps],
     /// m.
     pub step: f32,
-    /// The longest displacement, in steps.
+    /// The longest displacement, in steps; 0 if no node is displaced.
     pub farthest: u16,
 }
 
