@@ -1,5 +1,6 @@
 """Writes README.md into the lab's directory from the tables that are there: `report.py DIRECTORY`."""
 
+import statistics
 import sys
 from pathlib import Path
 
@@ -465,6 +466,33 @@ More hits than time: {budget.said("what")}; {budget.said("cost")}. Shown by `set
 {own_text("scene")}"""
 
 
+def crowd(directory):
+    """The film of many cars, and what its frames cost."""
+    t = read(directory, "crowd.csv")
+    if t is None:
+        return ""
+    struck = [r for r in t.rows if r["hits"] > 0]
+    names = {"crumple_ms": "Crumple", "contacts_ms": "its contacts", "fold_ms": "its folding", "deform_ms": "its deforming", "physics_ms": "Rapier"}
+
+    def line(key):
+        times = [r[key] for r in struck]
+        return [names[key], *(f"{number(of(times))} ms" for of in (statistics.median, statistics.mean, max))]
+
+    hits, last = [r["hits"] for r in struck], t.rows[-1]
+    film = "![200 cars in two columns meet, and each frame says how long Crumple took for all of them](crowd.webp)\n"
+    return f"""## 9. A crowd
+
+{film if (directory / "crowd.webp").exists() else ""}
+{t.said("what")}. All that is drawn are vertices that Crumple wrote. Threads: {t.said("threads")}. Cost: {t.said("cost")}. Load: {t.said("load")}.
+Levels: {t.said("levels")}.
+
+{table(["in frames with hits", "median", "mean", "worst"], [line(key) for key in names])}
+{len(struck)} of {len(t.rows)} frames have hits: {number(statistics.mean(hits), 1)} each, and {max(hits):.0f} at most. In the end there are {last["marks"]:.0f} dents, and a frame without
+hits takes {milliseconds(last["crumple_ms"])}.
+
+{own_text("crowd")}"""
+
+
 def section(directory, heading, part):
     text = own_text(part)
     charts = "\n".join(picture(directory, p.stem, p.stem.replace("_", " ")) for p in sorted(directory.glob(f"{part}*.svg")))
@@ -495,7 +523,8 @@ paper ([model](../model.md#the-classic-rule)); charts call it "literature".
 {section(directory, "5. Stability where methods fail", "stability")}
 {section(directory, "6. The paper's own pictures", "pictures")}
 {speed(directory)}
-{scene(directory)}"""
+{scene(directory)}
+{crowd(directory)}"""
     while "\n\n\n" in text:
         text = text.replace("\n\n\n", "\n\n")
     (directory / "README.md").write_text(text.rstrip() + "\n")

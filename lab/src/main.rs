@@ -6,9 +6,13 @@
 
 mod accuracy;
 mod bench;
+#[cfg(feature = "engines")]
+mod car;
 mod combine;
 #[cfg(feature = "engines")]
 mod crash;
+#[cfg(feature = "engines")]
+mod crowd;
 #[cfg(feature = "gpu")]
 mod gpu;
 mod looks;
@@ -73,6 +77,9 @@ enum Part {
     /// The frames of a film: a car into a post, and another into its side
     #[cfg(feature = "engines")]
     Crash(Options),
+    /// The frames of a film: 200 cars meet; and what each frame costs
+    #[cfg(feature = "engines")]
+    Crowd(Options),
 }
 
 /// What every part is told.
@@ -121,5 +128,7 @@ fn main() -> Result<()> {
         Part::Scene(options) => street::run(&options),
         #[cfg(feature = "engines")]
         Part::Crash(options) => crash::run(&options),
+        #[cfg(feature = "engines")]
+        Part::Crowd(options) => crowd::run(&options),
     }
 }

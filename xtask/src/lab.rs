@@ -27,7 +27,7 @@ struct Part {
     name: &'static str,
     /// Subcommand of `crumple-lab`.
     measures: Option<&'static str>,
-    /// Script in lab/python. It gets `--out DIRECTORY`, and `--quick` in a quick run.
+    /// Script in lab/python, and its own arguments. It also gets `--out DIRECTORY`, and `--quick` in a quick run.
     script: Option<&'static str>,
     /// Script in lab/python. It gets the directory.
     shows: Option<&'static str>,
@@ -49,7 +49,8 @@ const PARTS: &[Part] = &[
     Part { measures: Some("looks"), ..part("looks") },
     Part { measures: Some("speed"), ..part("speed") },
     Part { measures: Some("scene"), ..part("scene") },
-    Part { measures: Some("crash"), script: Some("film.py"), ..part("crash") },
+    Part { measures: Some("crash"), script: Some("film.py crash"), ..part("crash") },
+    Part { measures: Some("crowd"), script: Some("film.py crowd"), ..part("crowd") },
     Part { shows: Some("draw.py"), ..part("charts") },
     Part { shows: Some("report.py"), ..part("report") },
 ];
@@ -82,9 +83,10 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
                 cmd!(sh, "{program} {subcommand} {throws...} {quick...} --out {out}").quiet().run()?;
             }
             if let Some(script) = part.script {
-                let path = script_path(workspace, script);
+                let mut words = script.split(' ');
+                let path = script_path(workspace, words.next().unwrap_or_default());
                 if path.exists() {
-                    cmd!(sh, "{python} {path} {quick...} --out {out}").quiet().run()?;
+                    cmd!(sh, "{python} {path} {words...} {quick...} --out {out}").quiet().run()?;
                 } else {
                     println!("left out: there is no {}", path.display());
                 }

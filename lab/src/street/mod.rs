@@ -2,7 +2,7 @@
 //! save, and how far off what is seen is, in pixels. And what a vertex budget does for frames with more hits than time.
 
 mod raster;
-mod simplify;
+pub mod simplify;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -148,10 +148,22 @@ impl Subject<'_> {
 
 /// Draws one body in the studio.
 pub fn photograph(body: Body<'_>, camera: &Camera, view: View, size: [usize; 2], finish: &Finish<'_>) -> Image {
+    photograph_all(body, camera, view, size, finish, None)
+}
+
+/// Draws several bodies in the studio, which are `body` together. `radius` is that of one of them, m.
+pub fn photograph_all(
+    body: Body<'_>,
+    camera: &Camera,
+    view: View,
+    size: [usize; 2],
+    finish: &Finish<'_>,
+    radius: Option<f32>,
+) -> Image {
     let fine = size.map(|n| n * SAMPLES);
     let surfaces = raster::through(camera, body, fine);
     let frame = Frame { surfaces: surfaces.as_ref(), size: fine };
-    let studio = Studio::new(body, camera, view, size);
+    let studio = Studio::new(body, camera, view, size, radius);
     let mut rgb = vec![0u8; size[0] * size[1] * 3];
     rgb.par_chunks_mut(size[0] * 3).enumerate().for_each(|(y, row)| {
         for (x, pixel) in row.chunks_exact_mut(3).enumerate() {

@@ -49,7 +49,7 @@ pub struct Studio<'a> {
     sky_shadow: ShadowMap,
     /// Height of the floor along `up`, m.
     floor: f32,
-    /// Radius of the body's bounding sphere, m.
+    /// Radius of a bounding sphere, m: light and shadows are as soft as suits a body of this size.
     radius: f32,
     /// Sample points for soft shadows on the floor, and on the body.
     floor_taps: Vec<Vec2>,
@@ -69,7 +69,14 @@ pub enum Finish<'a> {
 }
 
 impl<'a> Studio<'a> {
-    pub fn new(body: Body<'_>, camera: &'a Camera, view: View, [width, height]: [usize; 2]) -> Studio<'a> {
+    /// `radius` is that of one of several bodies, m; `None` for one body.
+    pub fn new(
+        body: Body<'_>,
+        camera: &'a Camera,
+        view: View,
+        [width, height]: [usize; 2],
+        radius: Option<f32>,
+    ) -> Studio<'a> {
         let texels = (SHADOW_TEXELS * ((width * height) as f32).sqrt()).ceil().max(16.0) as usize;
         let (mut low, mut high) = (Vec3::MAX, Vec3::MIN);
         let mut floor = f32::MAX;
@@ -79,7 +86,7 @@ impl<'a> Studio<'a> {
             floor = floor.min(p.dot(view.up));
         }
         let centre = (low + high) * 0.5;
-        let radius = ((high - low).length() * 0.5).max(1e-6);
+        let all = ((high - low).length() * 0.5).max(1e-6);
         let (up, right) = (view.up, view.right());
         let front = right.cross(up);
         // Low over the surface and from the side, so that a shallow dent has a bright and a dark flank.
@@ -92,10 +99,10 @@ impl<'a> Studio<'a> {
             front,
             key,
             rim,
-            key_shadow: ShadowMap::new(body, (key + up * 0.8).normalize(), centre, radius * 1.05, texels),
-            sky_shadow: ShadowMap::new(body, up, centre, radius * 1.05, texels / 2),
+            key_shadow: ShadowMap::new(body, (key + up * 0.8).normalize(), centre, all * 1.05, texels),
+            sky_shadow: ShadowMap::new(body, up, centre, all * 1.05, texels / 2),
             floor,
-            radius,
+            radius: radius.unwrap_or(all),
             floor_taps: disc(32),
             body_taps: disc(32),
         }
