@@ -25,14 +25,14 @@ const SIZE: [usize; 2] = [1280, 560];
 const HZ: usize = 60;
 const SHOWN: usize = 2;
 /// Length of the film, s.
-const SECONDS: f32 = 3.6;
+const SECONDS: f32 = 3.0;
 /// The scene plays so often before it is drawn. What a frame costs is the least of these: other work on the machine does not count.
-const RUNS: usize = 6;
+const RUNS: usize = 8;
 /// Cars abreast, and rows on each side.
 const ABREAST: usize = 20;
 const ROWS: usize = 5;
 /// Distances between cars abreast, between rows, and between the fronts at first, m.
-const APART: [f32; 3] = [2.45, 6.4, 13.0];
+const APART: [f32; 3] = [2.45, 6.4, 11.5];
 /// How fast the cars drive, m/s.
 const SPEED: f64 = 11.5;
 /// Cell sizes of the levels of detail, m.
