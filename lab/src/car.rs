@@ -288,7 +288,7 @@ impl Car {
     /// Who has crashed brakes. Whether it is the first time.
     pub fn brake(&mut self, world: &mut PhysicsWorld) -> Result<bool> {
         let body = &mut world.bodies[self.dented.body];
-        let begins = body.linear_damping() == 0.0 && !self.dented.instance.marks()?.is_empty();
+        let begins = !self.dented.instance.marks()?.is_empty() && body.linear_damping() == 0.0;
         if begins {
             body.set_linear_damping(1.2);
             body.set_angular_damping(1.5);
