@@ -293,14 +293,19 @@ impl State {
             if !self.live(points, &pushes, side, &scale, inbox, report) {
                 continue;
             }
-            let shares = *share.get_or_insert_with(|| match &inboxes {
-                [Some(a), Some(b)] => whole(points, &pushes).map_or([0.5; 2], |(w, radii)| shares(&w, [a, b], radii)),
-                _ => [1.0; 2],
-            });
+            // Only touches that begin need it, and it takes two predictions.
+            let mut own = || {
+                (*share.get_or_insert_with(|| match &inboxes {
+                    [Some(a), Some(b)] => {
+                        whole(points, &pushes).map_or([0.5; 2], |(w, radii)| shares(&w, [a, b], radii))
+                    }
+                    _ => [1.0; 2],
+                }))[side]
+            };
             let (pair, numbers) = points[0].key();
             let cap = self.cap((pair, numbers, side));
             while let Some(blow) = next_blow(&mut self.parts, scale.radius) {
-                let hit = self.blow((pair, numbers, side), (body, inbox), (&blow, cap), &scale, shares[side], report);
+                let hit = self.blow((pair, numbers, side), (body, inbox), (&blow, cap), &scale, &mut own, report);
                 if let Some(hit) = hit {
                     report.hit(pair, inbox, &hit, told);
                 }
@@ -379,7 +384,7 @@ impl State {
         (body, inbox): (&Body, &Inbox),
         (blow, cap): (&Part, f64),
         scale: &Scale,
-        share: f64,
+        share: &mut dyn FnMut() -> f64,
         report: &mut ContactReport,
     ) -> Option<Hit> {
         let begins = blow.push.speed.is_none_or(|speed| speed >= scale.speed);
@@ -396,10 +401,10 @@ impl State {
                 Fit::Same => at,
                 Fit::Another => {
                     report.end(&self.touches.remove(at));
-                    self.begin(key, body, blow, share, report)
+                    self.begin(key, body, blow, share(), report)
                 }
             },
-            None => self.begin(key, body, blow, share, report),
+            None => self.begin(key, body, blow, share(), report),
         };
         let others = self.whole(key) - self.touches[at].whole().unwrap_or(0.0);
         let touch = &mut self.touches[at];
