@@ -9,8 +9,6 @@ pub(crate) const MOST: f32 = 32767.0;
 
 /// Nodes in a group.
 pub(crate) const GROUP: usize = 32;
-/// Successive nodes of a group that mostly change together, because they lie beside each other.
-pub(crate) const BESIDE: usize = 8;
 
 /// Displacements of nodes, 6 bytes each, for groups of [`GROUP`] successive nodes with one that moves.
 #[derive(Debug, Clone, Default, PartialEq)]

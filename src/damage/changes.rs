@@ -1,7 +1,6 @@
 //! Records when each block last changed.
 
 use crate::example::set::ExampleSet;
-use std::ops::Range;
 
 /// When each block last changed.
 #[derive(Debug)]
@@ -15,12 +14,10 @@ pub(crate) struct Changes {
 }
 
 impl Changes {
-    /// Marks the blocks with vertices that follow these nodes, at the last epoch: one node, or [`BESIDE`] from a multiple of that on.
-    ///
-    /// [`BESIDE`]: crate::basis::field::BESIDE
-    pub(crate) fn nodes(&mut self, set: &ExampleSet, nodes: &Range<u32>) {
+    /// Marks the blocks with vertices that follow a node, at the last epoch.
+    pub(crate) fn node(&mut self, set: &ExampleSet, node: u32) {
         for (mesh, blocks) in set.nodes().followers().iter().zip(&mut self.blocks) {
-            mesh.of(nodes).iter().for_each(|b| blocks[*b as usize] = self.epoch);
+            mesh.of(node).iter().for_each(|b| blocks[*b as usize] = self.epoch);
         }
     }
 

@@ -5,11 +5,10 @@
 
 use super::view::{NodeSteps, NodeView};
 use crate::base::math::{MOST_WHOLE, small_whole};
-use crate::basis::field::{BESIDE, GROUP, MOST, NodeField};
+use crate::basis::field::{GROUP, MOST, NodeField};
 use crate::damage::list::Damage;
 use crate::damage::mark::Mark;
 use std::cmp::Ordering;
-use std::ops::Range;
 use std::sync::Arc;
 
 /// The share of the depth limit up to which nodes move freely. Beyond it they approach the limit.
@@ -70,9 +69,8 @@ impl NodeState {
         NodeView { steps: &self.steps, step: self.step, farthest: self.farthest }
     }
 
-    /// Shows the damage, with nodes that approach `limit` (m). Calls `changed` with the nodes whose steps
-    /// changed: one, or [`BESIDE`] from a multiple of that on.
-    pub(crate) fn show(&mut self, damage: &Damage, limit: f32, mut changed: impl FnMut(Range<u32>)) {
+    /// Shows the damage, with nodes that approach `limit` (m). Calls `changed` with the nodes whose steps changed.
+    pub(crate) fn show(&mut self, damage: &Damage, limit: f32, mut changed: impl FnMut(u32)) {
         let limit = limit.min(self.most);
         if self.steps.is_empty() {
             if damage.dents().is_empty() {
@@ -119,17 +117,11 @@ impl NodeState {
         for (first, ((is_touched, sums), steps)) in groups {
             *is_touched = false;
             let now = in_steps_of(sums, unit, limit, step);
-            for (few, (steps, now)) in (first..).step_by(BESIDE).zip(steps.chunks_mut(BESIDE).zip(now.chunks(BESIDE))) {
-                let now = &now[..steps.len()];
-                let differs = |i: &usize| steps[*i] != now[*i] || everything && steps[*i] != [0; 4];
-                let count = (0..steps.len()).filter(differs).count();
-                if count == BESIDE {
-                    changed(few..few + BESIDE as u32);
-                } else if count > 0 {
-                    let nodes = (0..steps.len()).filter(differs).map(|i| few + i as u32);
-                    nodes.for_each(|node| changed(node..node + 1));
+            for (node, (steps, now)) in (first..).zip(steps.iter_mut().zip(now)) {
+                let before = std::mem::replace(steps, now);
+                if before != now || everything && before != [0; 4] {
+                    changed(node);
                 }
-                steps.copy_from_slice(now);
             }
         }
         self.farthest = self.steps.iter().map(|n| n[3] as u16).max().unwrap_or(0);

@@ -8,7 +8,6 @@ use super::report::{LodReport, SetReport};
 use super::rule::{LearnedRule, Source};
 use crate::base::array::Array;
 use crate::base::error::Error;
-use crate::basis::field::BESIDE;
 use crate::basis::learn::BasisReport;
 use crate::basis::{Rows, TILE};
 use crate::mesh::mirror::Mirror;
@@ -17,7 +16,6 @@ use crate::mesh::rim::Rim;
 use crate::mesh::surface::SurfaceIndex;
 use crate::mesh::vertex_blocks::BLOCK;
 use crate::mesh::{Mesh, finite};
-use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 /// A base mesh with its examples. It is immutable: the instances of the mesh and threads share it through an `Arc`.
@@ -64,16 +62,9 @@ pub(crate) struct SetNodes {
     followers: Vec<Followers>,
 }
 
-/// The blocks of a mesh that have a vertex which follows each node, and the same for each [`BESIDE`] nodes together.
+/// The blocks of a mesh that have a vertex which follows each node: where those of each node end, and the blocks.
 #[derive(Debug)]
 pub(crate) struct Followers {
-    each: Lists,
-    beside: Lists,
-}
-
-/// Lists of blocks: where each ends, and the blocks.
-#[derive(Debug)]
-struct Lists {
     ends: Vec<u32>,
     blocks: Vec<u32>,
 }
@@ -87,49 +78,38 @@ impl SetNodes {
 
 impl Followers {
     fn new(rows: &Rows, nodes: usize) -> Self {
-        Followers { each: Lists::of_every(1, rows, nodes), beside: Lists::of_every(BESIDE, rows, nodes) }
-    }
-
-    /// The blocks with a vertex that follows one of these nodes: one, or [`BESIDE`] from a multiple of that on.
-    pub(crate) fn of(&self, nodes: &Range<u32>) -> &[u32] {
-        let first = nodes.start as usize;
-        if nodes.len() == BESIDE { self.beside.of(first / BESIDE) } else { self.each.of(first) }
-    }
-}
-
-impl Lists {
-    /// A list for every `few` successive nodes.
-    fn of_every(few: usize, rows: &Rows, nodes: usize) -> Self {
-        // Each list and block once, by block.
+        // Each node and block once, by block.
         let visit = |f: &mut dyn FnMut(usize, u32)| {
-            let mut last = vec![u32::MAX; nodes.div_ceil(few)];
+            let mut last = vec![u32::MAX; nodes];
             for tile in 0..rows.tiles.len() {
                 let block = (tile / (BLOCK / TILE)) as u32;
-                for list in rows.nodes_of(tile).iter().map(|n| *n as usize / few) {
-                    if std::mem::replace(&mut last[list], block) != block {
-                        f(list, block);
+                for node in rows.nodes_of(tile).iter().map(|n| *n as usize) {
+                    if std::mem::replace(&mut last[node], block) != block {
+                        f(node, block);
                     }
                 }
             }
         };
-        let mut ends = vec![0u32; nodes.div_ceil(few)];
-        visit(&mut |list, _| ends[list] += 1);
+        let mut ends = vec![0u32; nodes];
+        visit(&mut |node, _| ends[node] += 1);
         let mut sum = 0;
         for end in &mut ends {
             sum += *end;
             *end = sum - *end;
         }
         let mut blocks = vec![0; sum as usize];
-        visit(&mut |list, block| {
-            blocks[ends[list] as usize] = block;
-            ends[list] += 1;
+        visit(&mut |node, block| {
+            blocks[ends[node] as usize] = block;
+            ends[node] += 1;
         });
-        Lists { ends, blocks }
+        Followers { ends, blocks }
     }
 
-    fn of(&self, list: usize) -> &[u32] {
-        let from = if list == 0 { 0 } else { self.ends[list - 1] };
-        &self.blocks[from as usize..self.ends[list] as usize]
+    /// The blocks with a vertex that follows the node.
+    pub(crate) fn of(&self, node: u32) -> &[u32] {
+        let n = node as usize;
+        let from = if n == 0 { 0 } else { self.ends[n - 1] };
+        &self.blocks[from as usize..self.ends[n] as usize]
     }
 }
 
