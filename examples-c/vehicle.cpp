@@ -44,7 +44,7 @@ CrumpleVec3 rotated(CrumpleQuat q, CrumpleVec3 v) {
 // What all cars share. The file says which parts are panes and wheels: "glass" and "rigid".
 struct Model {
     crumple::ExampleSet set;
-    std::vector<CrumplePart> parts; // by their numbers, from 1 on
+    std::vector<CrumplePart> parts; // by their numbers, which are those of lods: from 1 on
     std::vector<CrumplePrimitive> primitives;
     std::vector<uint32_t> indices; // of all parts
 

@@ -268,7 +268,7 @@ def readme_table(directory):
         counts = [pair(of("crumple", n)) for n in (8, 24, 100)]
         peers = [number(of(method, most)["rel_l2_median"]) for method in ("radial", "classic")]
         lines.append([name, *counts, f"{pair(of('crumple', most))} ({most:.0f})", pair(of("crumple", most, "displacement")), *peers])
-    made = table(["told the blow", "8 examples", "24", "100", "all (how many)", "told the displacement", "radial profile", "classic"], lines)
+    made = table(["", "8 examples, told the blow", "24", "100", "all (how many)", "all, told the displacement", "radial profile", "classic"], lines)
     begin, end = "<!-- from docs/lab/learn.csv -->\n", "<!-- end of docs/lab/learn.csv -->"
     before, rest = path.read_text().split(begin, 1)
     path.write_text(before + begin + made + end + rest.split(end, 1)[1])
