@@ -124,8 +124,6 @@ def panel_title(truth, body):
 
 
 def save(figure, directory, name):
-    directory = Path(directory)
-    figure.savefig(directory / f"{name}.png", dpi=150, metadata={"Software": None})
-    figure.savefig(directory / f"{name}.svg", metadata={"Date": None, "Creator": None})
+    figure.savefig(Path(directory) / f"{name}.svg", metadata={"Date": None, "Creator": None})
     plt.close(figure)
     print(f"chart: {name}")

@@ -9,10 +9,12 @@ use super::check::{boolean, string};
 #[cfg(feature = "gltf")]
 use super::context::Context;
 use super::context::{CrumpleContext, exclusive};
+#[cfg(feature = "gltf")]
+use super::primitive::c_string;
 use super::primitive::{CrumplePart, CrumplePrimitive};
 use super::result::{CrumpleResult, Failure};
 #[cfg(feature = "gltf")]
-use super::set::{c_string, insert_set};
+use super::set::insert_set;
 #[cfg(feature = "gltf")]
 use super::store::State;
 #[cfg(feature = "gltf")]

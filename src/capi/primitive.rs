@@ -64,7 +64,7 @@ impl From<crate::io::import::Part> for PartEntry {
             PartKind::Glass => CrumplePartKind::Glass,
         };
         Self {
-            name: super::set::c_string(&part.name),
+            name: c_string(&part.name),
             kind,
             vertices: part.first_vertex..part.first_vertex + part.vertex_count,
             triangles: part.first_triangle..part.first_triangle + part.triangle_count,
@@ -84,6 +84,11 @@ impl PartEntry {
             reserved: [0; 3],
         }
     }
+}
+
+/// A text of any origin as one that C can read.
+pub(super) fn c_string(text: &str) -> CString {
+    CString::new(text.replace('\0', "\u{fffd}")).unwrap_or_default()
 }
 
 // SAFETY: the pointer is to a string that lives beside it.

@@ -4,7 +4,7 @@ use super::boundary::{granted, succeeds};
 use super::c_enum::c_enums;
 use super::check::{Out, array, enumerator, required_string};
 use super::context::{Context, CrumpleContext, CrumpleLogLevel, exclusive, look_into};
-use super::primitive::CrumplePrimitive;
+use super::primitive::{CrumplePrimitive, c_string};
 use super::result::{CrumpleResult, Failure};
 use super::store::{SetEntry, State};
 use super::tasks::Quiet;
@@ -74,11 +74,6 @@ fn add_baked(
 ) -> Result<(), Failure> {
     let whole = CrumplePrimitive::new(0..set.vertex_count() as u32, 0..set.mesh().triangles().len() as u32);
     insert_set(context, state, set, (c"".into(), vec![whole], Vec::new(), None), out).map(drop)
-}
-
-/// A text of any origin as one that C can read.
-pub(super) fn c_string(text: &str) -> CString {
-    CString::new(text.replace('\0', "\u{fffd}")).unwrap_or_default()
 }
 
 /// Gives a set an id, for which there is room.
