@@ -30,7 +30,7 @@ pub struct Stage {
     pub needs: &'static [Tool],
     /// Without these it runs, but leaves something out.
     pub wants: &'static [Tool],
-    /// Large folders of the target directory that no other stage reads.
+    /// Large folders of the target directory that no later stage reads.
     pub leaves: &'static [&'static str],
     pub run: fn(&Workspace) -> Result<Outcome>,
 }

@@ -185,7 +185,7 @@ const STAGES: &[Stage] = &[
         shows: "what Blender, three.js, assimp, trimesh and Godot write is read, and everything that no dent reached is kept",
         needs: &[Tool::Python311, Tool::BlenderLibraries, Tool::Npm, Tool::Assimp],
         wants: &[],
-        leaves: &[],
+        leaves: &["blender-bpy42", "godot-engine"],
         run: exporters::stage,
     },
     Stage {
