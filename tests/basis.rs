@@ -246,7 +246,7 @@ fn bodies_of_any_kind_learn_a_basis() {
         ("a line", flat),
     ];
     for (name, mesh) in bodies {
-        let basis = Some(BasisOptions::new(3e-4));
+        let basis = Some(BasisOptions::new(1e-3));
         let copy = scenes::build(mesh, vec![dent(0)], SetOptions { basis, ..SetOptions::default() });
         let report = copy.basis_report().unwrap();
         assert!(report.worst.is_finite() && report.nodes >= 1, "{name}: {report:?}");
