@@ -6,6 +6,7 @@
 
 #include <array>
 #include <functional>
+#include <utility>
 
 struct OdeWorld {
     int open = dInitODE2(0);

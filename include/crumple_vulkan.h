@@ -42,8 +42,8 @@ typedef struct CrumpleVulkanAttachDef {
     const void *pipeline_cache;
     /// Bytes at pipeline_cache.
     size_t pipeline_cache_size;
-    /// Invocations per workgroup: 32, 64 or 128, within the device's limit. Default 128. Kernels whose invocations write two vertices have
-    /// at most 64.
+    /// Invocations per workgroup: 32, 64 or 128, within the device's limit. Default 128. Where an
+    /// invocation writes two vertices, workgroups have at most 64.
     uint32_t workgroup_size;
 } CrumpleVulkanAttachDef;
 

@@ -78,10 +78,10 @@ def marks(t):
     lines = []
     for r in sorted(t.where(workload="impulses", method="fresh"), key=lambda r: (r["case"], r["vertices"])):
         lines.append([f"{r['case']:g}, fresh body", short(r["vertices"]), time(r), milliseconds(r["reference_value"]), times(r)])
-    for r in t.where(workload="impulses", method="fresh against one pass"):
-        lines.append(["10, fresh body; one pass of the classic kernel", short(r["vertices"]), time(r), milliseconds(r["reference_value"]), f"{1 / r['ratio']:.2g}"])
-    for r in t.where(workload="impulses", method="repeated", case=10):
-        lines.append(["10 that repeat a body's ten marks; one of them", short(r["vertices"]), time(r), milliseconds(r["reference_value"]), f"{1 / r['ratio']:.2g}"])
+    tens = {"fresh against one pass": "10, fresh body; one pass of the classic kernel", "repeated": "10 that repeat a body's ten marks; one of them"}
+    for method, what in tens.items():
+        for r in t.where(workload="impulses", method=method, case=10):
+            lines.append([what, short(r["vertices"]), time(r), milliseconds(r["reference_value"]), f"{1 / r['ratio']:.2g}"])
     return table(["impulses", "vertices", "time", "against", "times as fast"], lines)
 
 

@@ -31,8 +31,8 @@ pub struct CrumpleVulkanAttachDef {
     pub pipeline_cache: *const c_void,
     /// Bytes at pipeline_cache.
     pub pipeline_cache_size: usize,
-    /// Invocations per workgroup: 32, 64 or 128, within the device's limit. Default 128. Kernels whose invocations write two vertices have
-    /// at most 64.
+    /// Invocations per workgroup: 32, 64 or 128, within the device's limit. Default 128. Where an
+    /// invocation writes two vertices, workgroups have at most 64.
     pub workgroup_size: u32,
 }
 

@@ -197,9 +197,9 @@ impl<B: Copy + Ord> Plan<B> {
             }
         }
         report.dispatches = self.dispatches.len() as u32;
-        let invocations = report.blocks_written * u64::from(BLOCK_VERTICES);
-        if invocations > u64::from(u32::MAX) {
-            let what = format!("{invocations} vertices in one frame; at most 4294967295");
+        let vertices = report.blocks_written * u64::from(BLOCK_VERTICES);
+        if vertices > u64::from(u32::MAX) {
+            let what = format!("{vertices} vertices in one frame; at most 4294967295");
             return Err(Error::Unsupported { what });
         }
         Ok(report)

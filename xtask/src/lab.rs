@@ -27,30 +27,30 @@ struct Part {
     name: &'static str,
     /// Subcommand of `crumple-lab`.
     measures: Option<&'static str>,
-    /// Script in lab/python, and its own arguments. It also gets `--out DIRECTORY`, and `--quick` in a quick run.
-    script: Option<&'static str>,
+    /// Script in lab/python and its own arguments, or nothing. It also gets `--out DIRECTORY`, and `--quick` in a quick run.
+    script: &'static [&'static str],
     /// Script in lab/python. It gets the directory.
     shows: Option<&'static str>,
 }
 
 const fn part(name: &'static str) -> Part {
-    Part { name, measures: None, script: None, shows: None }
+    Part { name, measures: None, script: &[], shows: None }
 }
 
 const PARTS: &[Part] = &[
     Part { measures: Some("accuracy"), ..part("accuracy") },
-    Part { measures: Some("told"), script: Some("surrogates.py"), ..part("told") },
+    Part { measures: Some("told"), script: &["surrogates.py"], ..part("told") },
     Part { measures: Some("learn"), ..part("learn") },
     Part { measures: Some("contacts"), ..part("contacts") },
     Part { measures: Some("combine"), ..part("combine") },
-    Part { measures: Some("peers"), script: Some("mujoco_peer.py"), ..part("peers") },
+    Part { measures: Some("peers"), script: &["mujoco_peer.py"], ..part("peers") },
     Part { measures: Some("stability"), ..part("stability") },
     Part { measures: Some("pictures"), ..part("pictures") },
     Part { measures: Some("looks"), ..part("looks") },
     Part { measures: Some("speed"), ..part("speed") },
     Part { measures: Some("scene"), ..part("scene") },
-    Part { measures: Some("crash"), script: Some("film.py crash"), ..part("crash") },
-    Part { measures: Some("crowd"), script: Some("film.py crowd"), ..part("crowd") },
+    Part { measures: Some("crash"), script: &["film.py", "crash"], ..part("crash") },
+    Part { measures: Some("crowd"), script: &["film.py", "crowd"], ..part("crowd") },
     Part { shows: Some("draw.py"), ..part("charts") },
     Part { shows: Some("report.py"), ..part("report") },
 ];
@@ -82,11 +82,10 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
                 let throws = throws.map(|folder| format!("--throws={}", folder.display()));
                 cmd!(sh, "{program} {subcommand} {throws...} {quick...} --out {out}").quiet().run()?;
             }
-            if let Some(script) = part.script {
-                let mut words = script.split(' ');
-                let path = script_path(workspace, words.next().unwrap_or_default());
+            if let [script, arguments @ ..] = part.script {
+                let path = script_path(workspace, script);
                 if path.exists() {
-                    cmd!(sh, "{python} {path} {words...} {quick...} --out {out}").quiet().run()?;
+                    cmd!(sh, "{python} {path} {arguments...} {quick...} --out {out}").quiet().run()?;
                 } else {
                     println!("left out: there is no {}", path.display());
                 }
