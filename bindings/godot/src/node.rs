@@ -257,6 +257,27 @@ impl CrumpleMeshInstance3D {
         }
     }
 
+    /// Returns where something that is fixed to the mesh is now, such as a lamp or a wheel. `rest` is its place on the
+    /// undamaged mesh; both are in the node's space. It moves and turns with the surface nearest to its origin.
+    #[func]
+    fn get_attached(&self, rest: Transform3D) -> Transform3D {
+        let mut body = self.body.borrow_mut();
+        let Some(body) = body.as_mut() else { return rest };
+        body.instance.fold();
+        let attached = body.built.set.attach(array(rest.origin)).and_then(|a| body.instance.attached_pose(&a));
+        match attached {
+            Ok(pose) => {
+                let [x, y, z, w] = pose.rotation;
+                let turn = Basis::from_quaternion(Quaternion::new(x, y, z, w));
+                Transform3D::new(turn * rest.basis, Vector3::from_array(pose.position))
+            }
+            Err(error) => {
+                godot_error!("CrumpleMeshInstance3D.get_attached: {error}");
+                rest
+            }
+        }
+    }
+
     /// Shows all hits now. Otherwise they are shown at the end of the frame's process or physics step.
     #[func(gd_self)]
     fn update_now(this: Gd<Self>) {

@@ -1,27 +1,57 @@
 extends VehicleBody3D
-## A car to drive into things. Its body dents by its examples, and its glass breaks. `cargo xtask addon --demo` lays out its files.
+## A car to drive into things. Its body dents by its examples, its glass breaks, its bumpers fall off, and its wheels get out of line.
+## `cargo xtask addon --demo` lays out its files.
 
 const ReadQuantized := preload("res://addons/crumple/read_quantized.gd")
 ## The size of the collision shape as a share of the car's. What is in between crumples.
 const HARD := Vector3(0.9, 1.0, 0.9)
 ## Vertices above this height belong to the cabin, m.
 const BELT := 0.92
-## Glass breaks when a part of it has moved this far, m.
+## Glass breaks when it is hit, or when a vertex of it has moved this far, m.
 const GLASS_HOLDS := 0.012
+## A bumper holds until a vertex of it has moved this far, m.
+const BUMPER_HOLDS := 0.1
+const BUMPER_MASS := 12.0
 
 
-## A pane of glass: a surface of the body's mesh.
-class Pane:
-	var surface: int
+## A surface of the body's mesh.
+class Surface:
+	var index: int
 	## Its first vertex in the set.
 	var first: int
 	var vertices: PackedVector3Array
 
+	## How far the vertex has moved that moved furthest, m. It looks at each eighth.
+	func deepest(body: CrumpleMeshInstance3D) -> float:
+		var furthest := 0.0
+		for v in range(0, vertices.size(), 8):
+			furthest = maxf(furthest, body.get_vertex(first + v).distance_to(vertices[v]))
+		return furthest
+
+	## Whether a vertex of it is at a point now.
+	func is_at(point: Vector3, body: CrumpleMeshInstance3D) -> bool:
+		return range(vertices.size()).any(func(v: int) -> bool: return body.get_vertex(first + v) == point)
+
+
+class Wheel:
+	var node: VehicleWheel3D
+	## It is drawn apart from the node, which turns with the wheel.
+	var shown: MeshInstance3D
+	var centre: Vector3
+	## Where the car's structure holds it.
+	var mount: Transform3D
+
 
 var start: Transform3D
 var body := CrumpleMeshInstance3D.new()
-var panes: Array[Pane] = []
+var panes: Array[Surface] = []
+## The surfaces of each bumper.
+var bumpers: Array[Array] = []
+var wheels: Array[Wheel] = []
+## Bumpers that have fallen off.
+var loose: Array[RigidBody3D] = []
 var broken := broken_glass()
+var unseen := unseen_material()
 
 
 func _ready() -> void:
@@ -59,27 +89,33 @@ func take_apart(model: Node) -> ArrayMesh:
 		# The file marks what does not dent.
 		if part.has_meta("extras"):
 			part.owner = null
-			part.reparent(add_wheel(part) if part.name.begins_with("wheel") else self, false)
+			part.reparent(self, false)
+			if part.name.begins_with("wheel"):
+				wheels.append(add_wheel(part))
 			continue
+		var surfaces: Array[Surface] = []
 		for s in part.mesh.get_surface_count():
 			var arrays := part.mesh.surface_get_arrays(s)
 			var material: StandardMaterial3D = part.mesh.surface_get_material(s)
-			var pane := Pane.new()
-			pane.surface = mesh.get_surface_count()
-			pane.first = first
-			pane.vertices = arrays[Mesh.ARRAY_VERTEX]
-			first += pane.vertices.size()
+			var surface := Surface.new()
+			surface.index = mesh.get_surface_count()
+			surface.first = first
+			surface.vertices = arrays[Mesh.ARRAY_VERTEX]
+			first += surface.vertices.size()
+			surfaces.append(surface)
 			if material.resource_name.begins_with("glass"):
-				panes.append(pane)
+				panes.append(surface)
 			material.clearcoat_enabled = material.resource_name.begins_with("paint")
 			mesh.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays)
-			mesh.surface_set_material(pane.surface, material)
+			mesh.surface_set_material(surface.index, material)
 			if not part.name.begins_with("mirror"):
-				for p in pane.vertices:
+				for p in surface.vertices:
 					if p.y < BELT:
 						lower.append(p * HARD)
 					else:
 						upper.append(p * HARD)
+		if part.name.begins_with("bumper"):
+			bumpers.append(surfaces)
 	add_hull(lower)
 	add_hull(upper)
 	return mesh
@@ -92,10 +128,15 @@ func add_hull(points: PackedVector3Array) -> void:
 	add_child(shape)
 
 
-func add_wheel(part: MeshInstance3D) -> VehicleWheel3D:
+func add_wheel(part: MeshInstance3D) -> Wheel:
 	var box := part.mesh.get_aabb()
 	var centre := box.get_center()
 	var wheel := VehicleWheel3D.new()
+	var added := Wheel.new()
+	added.node = wheel
+	added.shown = part
+	added.centre = centre
+	added.mount = Transform3D(Basis.IDENTITY, centre * Vector3(0.5, 1, 1))
 	# Godot's wheels sink in by a tenth.
 	wheel.wheel_radius = 1.1 * box.size.y / 2
 	wheel.wheel_rest_length = 0.2
@@ -108,9 +149,8 @@ func add_wheel(part: MeshInstance3D) -> VehicleWheel3D:
 	wheel.use_as_traction = centre.z < 0
 	# The car's weight compresses the springs.
 	wheel.position = centre + Vector3(0, 0.2 - 9.8 / 4 / 45, 0)
-	part.position = -centre
 	add_child(wheel)
-	return wheel
+	return added
 
 
 func drive(throttle: float, turn: float, step: float) -> void:
@@ -119,21 +159,73 @@ func drive(throttle: float, turn: float, step: float) -> void:
 	steering = move_toward(steering, 0.5 * turn, 2 * step)
 
 
+func _process(_step: float) -> void:
+	for wheel in wheels:
+		var bent := body.get_attached(wheel.mount) * wheel.mount.affine_inverse()
+		wheel.shown.transform = bent * wheel.node.transform.translated_local(-wheel.centre)
+
+
 func reset() -> void:
 	transform = start
 	linear_velocity = Vector3.ZERO
 	angular_velocity = Vector3.ZERO
 	body.repair()
-	for pane in panes:
-		body.set_surface_override_material(pane.surface, null)
+	for surface in body.mesh.get_surface_count():
+		body.set_surface_override_material(surface, null)
+	for bumper in loose:
+		bumper.queue_free()
+	loose.clear()
 
 
-func _dented(_point: Vector3, _displacement: Vector3) -> void:
+func _dented(point: Vector3, _displacement: Vector3) -> void:
 	for pane in panes:
-		for v in range(0, pane.vertices.size(), 8):
-			if body.get_vertex(pane.first + v).distance_to(pane.vertices[v]) > GLASS_HOLDS:
-				body.set_surface_override_material(pane.surface, broken)
-				break
+		if pane.is_at(point, body) or pane.deepest(body) > GLASS_HOLDS:
+			body.set_surface_override_material(pane.index, broken)
+	for bumper: Array[Surface] in bumpers:
+		var is_on := body.get_surface_override_material(bumper[0].index) == null
+		if is_on and bumper.any(func(s: Surface) -> bool: return s.deepest(body) > BUMPER_HOLDS):
+			# Not within a step of physics.
+			take_off.call_deferred(bumper)
+
+
+## Makes surfaces of the body a body of their own, as dented as they are.
+func take_off(surfaces: Array[Surface]) -> void:
+	body.update_now()
+	var mesh := ArrayMesh.new()
+	var hull := ConvexPolygonShape3D.new()
+	for surface in surfaces:
+		var arrays := body.mesh.surface_get_arrays(surface.index)
+		mesh.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays)
+		mesh.surface_set_material(mesh.get_surface_count() - 1, body.mesh.surface_get_material(surface.index))
+		hull.points += arrays[Mesh.ARRAY_VERTEX]
+		body.set_surface_override_material(surface.index, unseen)
+	var centre := mesh.get_aabb().get_center()
+	var bumper := RigidBody3D.new()
+	bumper.mass = BUMPER_MASS
+	bumper.transform = global_transform.translated_local(centre)
+	bumper.linear_velocity = linear_velocity
+	bumper.angular_velocity = angular_velocity
+	# It meets other things, and the wheels do not take it for ground.
+	bumper.collision_layer = 0
+	bumper.add_collision_exception_with(self)
+	var shape := CollisionShape3D.new()
+	shape.shape = hull
+	shape.position = -centre
+	bumper.add_child(shape)
+	var shown := MeshInstance3D.new()
+	shown.mesh = mesh
+	shown.position = -centre
+	bumper.add_child(shown)
+	get_parent().add_child(bumper)
+	loose.append(bumper)
+
+
+## What cannot be seen and has no shadow.
+static func unseen_material() -> StandardMaterial3D:
+	var material := StandardMaterial3D.new()
+	material.albedo_color = Color.TRANSPARENT
+	material.transparency = BaseMaterial3D.TRANSPARENCY_ALPHA_SCISSOR
+	return material
 
 
 ## White cracks in dark glass.

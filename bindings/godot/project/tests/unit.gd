@@ -54,6 +54,23 @@ func test_surfaces_are_one_body() -> void:
 	node.free()
 
 
+func test_what_is_fixed_to_the_mesh_moves_and_turns_with_it() -> void:
+	var node := Sheet.node(self, Sheet.mesh())
+	# A post of 0.1 m on the slope of the dent, and a lamp at a corner.
+	var post := Transform3D(Basis(Vector3.UP, 1), Vector3(0.1, 0.1, 0.003))
+	var lamp := Transform3D(Basis.IDENTITY, Vector3(0.49, 0, 0.49))
+	t.near(node.get_attached(post).origin, post.origin, 1e-6, "the post at rest")
+	node.add_displacement(Vector3.ZERO, Vector3(0, -0.05, 0))
+	var bent := node.get_attached(post)
+	# The dent is 0.05 (1 - r^2 / 0.2^2)^2 deep at r: 0.028 at 0.1, where its slope is 0.375.
+	var normal := bent.basis.y.normalized()
+	# Of the facets, which are 25 mm wide.
+	t.near(normal, Vector3(-0.375, 1, 0).normalized(), 0.05, "the post stands on the slope")
+	t.near(bent.origin - 0.1 * normal, Vector3(0.1, -0.028, 0.003), 2e-3, "its foot is on the sheet")
+	t.same(node.get_attached(lamp), lamp, "the lamp")
+	node.free()
+
+
 func test_a_coarse_mesh_is_divided() -> void:
 	# 0.25 m between vertices, and the same sheet with 0.125 m.
 	for surfaces: int in [1, 2]:
