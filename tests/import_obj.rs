@@ -174,7 +174,8 @@ fn broken_files() {
 
 #[test]
 fn small_faces_and_missing_normals_are_left_out_and_noted() {
-    let base = format!("{TWO}f 1 2\nf\nf 1/1 2/2 3//9\n");
+    let base =
+        format!("{TWO}f 1 2\nf\nf 1/1 2/2 3//9\np 1 2\ncstype bezier\ndeg 3\ncurv 0 1 1 2 3 4\nparm u 0 1\nend\n");
     let imported = read(&base, DENT).unwrap();
     assert_eq!(imported.mesh.triangles.len(), 3);
     assert_eq!(
@@ -182,6 +183,7 @@ fn small_faces_and_missing_normals_are_left_out_and_noted() {
         [
             "base, from line 7: 2 faces have fewer than three corners and are left out",
             "base, from line 9: 3 corners of faces name a vt or vn line that the file lacks; they are read without it",
+            "base, from line 10: 2 points, curves or curved surfaces are left out; export curved surfaces as polygons",
         ]
     );
     // Faces may stand before their vertices.
@@ -191,11 +193,15 @@ fn small_faces_and_missing_normals_are_left_out_and_noted() {
 
 #[test]
 fn concave_faces_are_clipped_and_stay_on_their_side() {
-    // An L, an arrowhead, a U, each also turned over and standing upright.
-    let shapes: [(&[[f32; 2]], f32); 3] = [
+    // An L, an arrowhead, a U, and a comb with more corners between others on a line, each also turned over and standing upright.
+    let mut comb: Vec<[f32; 2]> = [0., 1., 3., 5., 7., 9., 11., 12.].map(|x| [x, 0.]).to_vec();
+    let tooth = |n: u8| [[2., 3.], [1., 3.], [1., 1.], [0., 1.]].map(|[x, y]| [x + 2. * f32::from(n), y]);
+    comb.extend((0..6).rev().flat_map(tooth));
+    let shapes: [(&[[f32; 2]], f32); 4] = [
         (&[[2., 0.], [2., 1.], [1., 1.], [1., 2.], [0., 2.], [0., 0.]], 3.0),
         (&[[0., 0.], [2., 2.], [0., 1.], [-2., 2.]], 2.0),
         (&[[0., 0.], [3., 0.], [3., 2.], [2., 2.], [2., 1.], [1., 1.], [1., 2.], [0., 2.]], 5.0),
+        (&comb, 24.0),
     ];
     let place: [fn([f32; 2]) -> [f32; 3]; 3] =
         [|[x, y]| [x, y, 0.0], |[x, y]| [0.0, x, y], |[x, y]| [x + y, 7.0 - x, y - x]];
@@ -232,25 +238,30 @@ fn concave_faces_are_clipped_and_stay_on_their_side() {
 #[test]
 fn objects_groups_materials_and_colours_are_kept() {
     let folder = tempfile::tempdir().unwrap();
-    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    let write = |name: &str, bytes: Vec<u8>| std::fs::write(folder.path().join(name), bytes).unwrap();
+    // Tools of one pipeline write different encodings.
+    let utf_16 = |text: &str| text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let latin_1 = |text: &str| text.chars().map(|c| c as u8).collect();
     write(
         "car.mtl",
-        "newmtl red paint\r\nKd 1 0 0\r\nNs 250\r\nd 0.5\r\nPm 1\r\nmap_Bump bump.png\r\n\
+        utf_16(
+            "\u{feff}newmtl röt paint\r\nKd 1 0 0\r\nNs 250\r\nd 0.5\r\nPm 1\r\nmap_Bump bump.png\r\n\
          newmtl seat\nKd .8 .8 .8\nmap_Kd -s 1 1 1 -clamp on C:\\work\\tex tures\\seat 1.tga\nmap_Ke glow.png\nTr 0.25\n",
+        ),
     );
-    let base = "mtllib C:\\elsewhere\\car.mtl none.mtl\no body\nv 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 1 1 0 0 0 1\nv 0 1 0\n\
-                usemtl red paint\ng left\nf 1 2 3\ng right\nusemtl seat\nf 1 3 4\no floor\nusemtl unknown\nf 4 3 2\nl 1 2 3\n";
-    write("car.obj", base);
-    write("car_dent.obj", &base.replace("v 1 1 0", "v 1 1 -1"));
+    let base = "mtllib C:\\elsewhere\\car.mtl none.mtl\no Tür\nv 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 1 1 0 0 0 1\nv 0 1 0\n\
+                usemtl röt paint\ng left\nf 1 2 3\ng right\nusemtl seat\nf 1 3 4\no floor\nusemtl unknown\nf 4 3 2\nl 1 2 3\n";
+    write("car.obj", latin_1(base));
+    write("car_dent.obj", latin_1(&base.replace("v 1 1 0", "v 1 1 -1")));
     let converted = obj_glb(&folder.path().join("car.obj"), &[folder.path().join("car_dent.obj")]).unwrap();
     let file = gltf::Gltf::from_slice_without_validation(&converted.glb).unwrap();
     let tree: Vec<_> =
         file.nodes().map(|n| (n.name().unwrap().to_owned(), n.children().count(), n.mesh().is_some())).collect();
     let leaf = |name: &str| (name.to_owned(), 0, true);
-    assert_eq!(tree, [leaf("left"), leaf("right"), ("body".into(), 2, false), leaf("floor")]);
+    assert_eq!(tree, [leaf("left"), leaf("right"), ("Tür".into(), 2, false), leaf("floor")]);
     let json = file.as_json();
     let materials = serde_json::to_value(&json.materials).unwrap();
-    assert_eq!(materials[0]["name"], "red paint");
+    assert_eq!(materials[0]["name"], "röt paint");
     let metal = &materials[0]["pbrMetallicRoughness"];
     assert_eq!(metal["baseColorFactor"], serde_json::json!([1.0, 0.0, 0.0, 0.5]));
     assert!((metal["roughnessFactor"].as_f64().unwrap() - 0.2988).abs() < 1e-3, "{metal}");
@@ -276,7 +287,7 @@ fn objects_groups_materials_and_colours_are_kept() {
     // One file is one blow: what it moves in several objects is one example.
     let imported = obj_files(&folder.path().join("car.obj"), &[folder.path().join("car_dent.obj")]).unwrap();
     assert_eq!((imported.examples.len(), imported.primitives.len(), imported.parts.len()), (1, 3, 0));
-    assert_eq!(imported.primitives[0].material.as_deref(), Some("red paint"));
+    assert_eq!(imported.primitives[0].material.as_deref(), Some("röt paint"));
 }
 
 proptest! {
