@@ -5,15 +5,15 @@ mod scenes;
 
 use std::sync::Arc;
 
+use crumple::glam::{DVec3, Vec3};
 use crumple::{
     Contact, Deltas, ExampleData, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, Mark, MeshData, Rule,
     Selection, SetOptions,
 };
 use oracle::marks::{Limit, Shown};
-use oracle::vector::{add, from_f32, length, scale, sub};
 use oracle::{Model, classic, damage::Ledger};
 use proptest::prelude::*;
-use scenes::{Dice, Output, build, every_node, new, push};
+use scenes::{Dice, Output, build, every_node, new};
 
 /// A random set: a bumpy sheet, ball or cube, with smooth and ragged examples, some without a given contact. There is a node at each
 /// vertex.
@@ -66,6 +66,10 @@ fn inside(mesh: &MeshData, e: &ExampleData) -> bool {
     indices.iter().all(|v| mesh.positions[*v as usize][..2].iter().all(|x| x.abs() < 0.48))
 }
 
+fn f64s(v: [f32; 3]) -> DVec3 {
+    Vec3::from(v).as_dvec3()
+}
+
 /// Adds a small sideways displacement to an example, so that it leans.
 fn lean(e: &mut ExampleData, dice: &mut Dice) {
     let Deltas::Sparse { values, .. } = &mut e.positions else { return };
@@ -115,7 +119,7 @@ fn random_marks(set: &Arc<ExampleSet>, dice: &mut Dice, options: &InstanceOption
 }
 
 /// The displacements of all vertices by one hit of a mark alone, m, and a depth limit that none of them comes near.
-fn alone(set: &Arc<ExampleSet>, mark: &Mark) -> (Vec<[f64; 3]>, f64) {
+fn alone(set: &Arc<ExampleSet>, mark: &Mark) -> (Vec<DVec3>, f64) {
     let mut limit = 4.0 * mark.depth.max(set.depth_limit());
     loop {
         let options = InstanceOptions { depth_limit: Some(limit), ..InstanceOptions::default() };
@@ -123,7 +127,7 @@ fn alone(set: &Arc<ExampleSet>, mark: &Mark) -> (Vec<[f64; 3]>, f64) {
         body.set_marks(&[Mark { energy: Mark::ONE, ..*mark }]).unwrap();
         let moved = scenes::displacements(&mut body);
         if moved.iter().all(|u| u.length() < 0.7 * limit) {
-            return (moved.iter().map(|u| from_f32(u.to_array())).collect(), f64::from(limit));
+            return (moved.iter().map(|u| u.as_dvec3()).collect(), f64::from(limit));
         }
         limit *= 4.0;
     }
@@ -137,9 +141,9 @@ fn check_limited(instance: &mut Instance, free: &Arc<ExampleSet>, limits: &[Limi
     let limit = f64::from(instance.depth_limit()).min(16.0 * model.depth_limit);
     let out = Output::fresh(instance);
     for (v, own) in limits.iter().enumerate() {
-        let ought = add(model.positions[v], shown.displacement(v, limit, *own));
-        let off = length(sub(from_f32(out.positions[v]), ought));
-        let allowed = shown.doubt(v, limit, *own) + 4e-7 * length(ought);
+        let ought = model.positions[v] + shown.displacement(v, limit, *own);
+        let off = f64s(out.positions[v]).distance(ought);
+        let allowed = shown.doubt(v, limit, *own) + 4e-7 * ought.length();
         prop_assert!(
             off <= allowed,
             "vertex {v}: {:?} is {off:e} from {ought:?}; {allowed:e} is allowed",
@@ -159,42 +163,6 @@ proptest! {
     #![proptest_config(scenes::cases(48))]
 
     #[test]
-    fn nearest_vertex_is_the_nearest(seed in any::<u64>()) {
-        let mut dice = Dice::new(seed);
-        let set = random_set(&mut dice);
-        let model = Model::of(&set);
-        for _ in 0..50 {
-            let point = dice.vector(1.0);
-            let found = set.nearest_vertex(point).unwrap();
-            let (vertex, distance) = model.nearest(from_f32(point));
-            let of_found = length(sub(model.positions[found.vertex as usize], from_f32(point)));
-            prop_assert!((of_found - distance).abs() <= 1e-6 * (1.0 + distance), "{} instead of {vertex}", found.vertex);
-            prop_assert!((f64::from(found.distance) - distance).abs() <= 1e-6 * (1.0 + distance));
-        }
-    }
-
-    #[test]
-    fn ties_go_to_the_lowest_index(seed in any::<u64>()) {
-        // a lattice in random order with duplicates: all distances are exact in f32, and many are equal
-        let mut dice = Dice::new(seed);
-        let mut positions: Vec<[f32; 3]> = Vec::new();
-        for i in 0..64 {
-            positions.push([(i % 4) as f32, (i / 4 % 4) as f32, (i / 16) as f32]);
-        }
-        for _ in 0..16 {
-            positions.push(positions[dice.index(64)]);
-        }
-        dice.shuffle(&mut positions);
-        let example = ExampleData::new("any", Deltas::Sparse { indices: vec![0], values: vec![[0.0, 0.0, 1.0]] });
-        let set = build(MeshData { positions, ..MeshData::default() }, vec![example], SetOptions::default());
-        let model = Model::of(&set);
-        for _ in 0..100 {
-            let point = [0; 3].map(|_| dice.index(9) as f32 * 0.5 - 0.5);
-            prop_assert_eq!(set.nearest_vertex(point).unwrap().vertex as usize, model.nearest(from_f32(point)).0);
-        }
-    }
-
-    #[test]
     fn displacements_are_stored_as_given(seed in any::<u64>()) {
         let mut dice = Dice::new(seed);
         let mesh = scenes::cube(4);
@@ -208,14 +176,13 @@ proptest! {
         for v in 0..full.len() {
             let given = match groups.iter().find(|g| g.contains(&v)) {
                 Some(group) => {
-                    let sum = group.iter().fold([0.0; 3], |s, v| add(s, from_f32(full[*v])));
-                    scale(1.0 / group.len() as f64, sum)
+                    group.iter().map(|v| f64s(full[*v])).sum::<DVec3>() / group.len() as f64
                 }
-                None => from_f32(full[v]),
+                None => f64s(full[v]),
             };
             for e in set.examples() {
-                let stored = e.delta(v as u32).to_array();
-                prop_assert!(length(sub(from_f32(stored), given)) <= 1e-7, "vertex {v}: {stored:?}, given {given:?}");
+                let stored = e.delta(v as u32);
+                prop_assert!(stored.as_dvec3().distance(given) <= 1e-7, "vertex {v}: {stored:?}, given {given:?}");
             }
         }
     }
@@ -279,7 +246,7 @@ proptest! {
             let limit = Limit { depth: own.depth.min(f64::from(set.depth_limit())), ..own };
             let rigid = limit.depth == 0.0 || limit.give == 0.0;
             prop_assert_eq!(outcome.status == HitStatus::Rigid, rigid, "{:?}", outcome);
-            let over = length(from_f32(outcome.target)) / limit.depth - 1.0;
+            let over = f64s(outcome.target).length() / limit.depth - 1.0;
             prop_assert!(rigid || over.abs() < 1e-6 || outcome.clamped == (over > 0.0), "{outcome:?}, {limit:?}");
         }
     }
@@ -320,15 +287,14 @@ fn check_classic(set: &Arc<ExampleSet>, dice: &mut Dice, k: f32, clamp: bool) ->
     let mut current = model.positions.clone();
     // the error of f32 so far, and whether a decision of Figure 4.3 depended on it; such vertices are no longer
     // compared
-    let mut error: Vec<f64> = current.iter().map(|p| 1e-7 * length(*p)).collect();
+    let mut error: Vec<f64> = current.iter().map(|p| 1e-7 * p.length()).collect();
     let mut doubtful = vec![false; current.len()];
     for _ in 0..5 {
         let hit = scenes::random_hit(set, dice);
         let outcome = instance.submit(&hit).unwrap();
         let vertex = outcome.contact_vertex as usize;
-        let target = from_f32(outcome.target);
-        let target =
-            if clamp { scale((f64::from(set.depth_limit()) / length(target)).min(1.0), target) } else { target };
+        let target = f64s(outcome.target);
+        let target = if clamp { target * (f64::from(set.depth_limit()) / target.length()).min(1.0) } else { target };
         let Some((best, _)) = classic::choose(&model, vertex, target, clamp) else {
             prop_assert_eq!(outcome.status, HitStatus::NothingReaches);
             continue;
@@ -344,20 +310,20 @@ fn check_classic(set: &Arc<ExampleSet>, dice: &mut Dice, k: f32, clamp: bool) ->
         classic::deform(&model, &mut current, chosen, is, f64::from(k));
         for v in 0..current.len() {
             let (base, d) = (model.positions[v], model.examples[chosen].deltas[v]);
-            if d == [0.0; 3] {
+            if d == DVec3::ZERO {
                 continue;
             }
-            let result = add(scale(1.0 - is, before[v]), scale(is, add(base, d)));
-            let rounding = 3e-7 * (length(base) + length(before[v]) + is * length(sub(add(base, d), before[v])));
+            let result = before[v].lerp(base + d, is);
+            let rounding = 3e-7 * (base.length() + before[v].length() + is * before[v].distance(base + d));
             let off = (1.0 - is).abs() * error[v] + rounding;
-            let (a, b) = (length(sub(result, base)), length(sub(before[v], base)));
-            let differ = length(sub(result, before[v]));
+            let (a, b) = (result.distance(base), before[v].distance(base));
+            let differ = result.distance(before[v]);
             doubtful[v] |= (a - b).abs() <= error[v] + off && differ > error[v] + off;
             error[v] = error[v].max(off);
         }
         let out = Output::fresh(&mut instance);
         for v in (0..current.len()).filter(|v| !doubtful[*v]) {
-            let off = length(sub(from_f32(out.positions[v]), current[v]));
+            let off = f64s(out.positions[v]).distance(current[v]);
             prop_assert!(
                 off <= error[v] + 1e-6,
                 "vertex {v}: {:?}, not {:?}: {off:e}, {:e}",
@@ -416,26 +382,6 @@ fn the_solver_s_bodies_agree_too() {
             check_classic(&set, &mut dice, k, clamp).unwrap();
         }
         check_ledger(&set, &mut dice, 5).unwrap();
-    }
-}
-
-#[test]
-fn quick_eight_marks_at_one_vertex_add_energies() {
-    // by hand: eight dents of depth 1 at one place are 8^(1/2.4) deep without a limit
-    let mesh = MeshData {
-        positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
-        triangles: vec![[0, 1, 2]],
-        ..MeshData::default()
-    };
-    let down = ExampleData::new("down", Deltas::Sparse { indices: vec![0], values: vec![[0.0, 0.0, -1.0]] });
-    let options = SetOptions { depth_limit: Some(100.0), ..SetOptions::default() };
-    let set = build(mesh, vec![down], options);
-    // Nodes move in steps of a 16 000th of the limit at most.
-    let mut instance = Instance::new(set, InstanceOptions::default()).unwrap();
-    for n in 1..=8u16 {
-        instance.submit(&push([0.0; 3], [0.0, 0.0, -1.0])).unwrap();
-        let z = Output::fresh(&mut instance).positions[0][2];
-        assert!((z + f32::from(n).powf(1.0 / 2.4)).abs() < 100.0 / 16000.0, "{n} hits: {z}");
     }
 }
 

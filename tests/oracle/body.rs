@@ -2,55 +2,38 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::vector::{V, add, length, scale, sub};
+use crumple::glam::DVec3;
 
-/// `v` with x negated if bit 0 of `planes` is set, y if bit 1 is, z if bit 2 is.
-pub fn mirrored(v: V, planes: u8) -> V {
-    [0, 1, 2].map(|k| 0.0 + if planes >> k & 1 == 1 { -v[k] } else { v[k] })
-}
-
-/// A point mirrored in planes through `centre`.
-pub fn mirrored_point(p: V, planes: u8, centre: V) -> V {
-    if planes == 0 { p } else { add(centre, mirrored(sub(p, centre), planes)) }
+/// The corners of the box around the positions.
+fn bounds(positions: &[DVec3]) -> (DVec3, DVec3) {
+    positions.iter().fold((DVec3::MAX, DVec3::MIN), |(low, high), p| (low.min(*p), high.max(*p)))
 }
 
 /// The coordinate planes through the middle of the bounds that map 99 % of the vertices to within a thousandth of the
 /// diagonal from another. There is none across an axis along which the body is at most twice that thick.
-pub fn mirror_planes(positions: &[V]) -> u8 {
-    let (mut low, mut high) = (positions[0], positions[0]);
-    for p in positions {
-        low = [0, 1, 2].map(|k| low[k].min(p[k]));
-        high = [0, 1, 2].map(|k| high[k].max(p[k]));
-    }
-    let (centre, diagonal) = (scale(0.5, add(low, high)), length(sub(high, low)));
-    let near = 1e-3 * diagonal;
-    let mut planes = 0;
-    for k in 0..3 {
-        let allowed = positions.len() / 100;
-        let mut lost = 0;
-        for p in positions {
-            let image = mirrored_point(*p, 1 << k, centre);
-            lost += usize::from(!positions.iter().any(|q| length(sub(*q, image)) <= near));
-            if lost > allowed {
-                break;
-            }
-        }
-        if lost <= allowed && high[k] - low[k] > 2.0 * near {
-            planes |= 1 << k;
-        }
-    }
-    planes
+pub fn mirror_planes(positions: &[DVec3]) -> u8 {
+    let (low, high) = bounds(positions);
+    let near = 1e-3 * low.distance(high);
+    let is_mirror = |k: &usize| {
+        let lost = |p: &&DVec3| {
+            let mut image = **p;
+            image[*k] = low[*k] + high[*k] - p[*k];
+            !positions.iter().any(|q| q.distance(image) <= near)
+        };
+        high[*k] - low[*k] > 2.0 * near && positions.iter().filter(lost).nth(positions.len() / 100).is_none()
+    };
+    (0..3).filter(is_mirror).map(|k| 1 << k).sum()
 }
 
 /// Vertices on held rims, with every copy at a seam. A rim is a loop of edges that belong to one triangle only. It is
 /// held if no example moves it by more than a hundredth of the example's deepest displacement, but some example moves a
 /// vertex beside it so. A vertex is beside it if it is in a triangle with it or within 3 % of the diagonal. Sets
 /// `close` if the result depends on rounding.
-pub fn held_vertices(positions: &[V], triangles: &[[u32; 3]], fields: &[&[V]], close: &mut bool) -> Vec<usize> {
+pub fn held_vertices(positions: &[DVec3], triangles: &[[u32; 3]], fields: &[&[DVec3]], close: &mut bool) -> Vec<usize> {
     // vertices at one position are one point
     let mut points: BTreeMap<[u64; 3], usize> = BTreeMap::new();
     let point: Vec<usize> =
-        positions.iter().enumerate().map(|(v, p)| *points.entry(p.map(f64::to_bits)).or_insert(v)).collect();
+        positions.iter().enumerate().map(|(v, p)| *points.entry(p.to_array().map(f64::to_bits)).or_insert(v)).collect();
     let triangles: Vec<[usize; 3]> = triangles.iter().map(|t| t.map(|v| point[v as usize])).collect();
     let mut edges: BTreeMap<(usize, usize), usize> = BTreeMap::new();
     for [a, b, c] in &triangles {
@@ -60,9 +43,7 @@ pub fn held_vertices(positions: &[V], triangles: &[[u32; 3]], fields: &[&[V]], c
             }
         }
     }
-    let low = |k: usize| positions.iter().map(|p| p[k]).fold(f64::MAX, f64::min);
-    let high = |k: usize| positions.iter().map(|p| p[k]).fold(f64::MIN, f64::max);
-    let diagonal = length([0, 1, 2].map(|k| high(k) - low(k)));
+    let (low, high) = bounds(positions);
     let rim: Vec<(usize, usize)> = edges.into_iter().filter(|(_, n)| *n == 1).map(|(e, _)| e).collect();
     let on_rim: BTreeSet<usize> = rim.iter().flat_map(|(a, b)| [*a, *b]).collect();
     let mut left = on_rim.clone();
@@ -81,11 +62,11 @@ pub fn held_vertices(positions: &[V], triangles: &[[u32; 3]], fields: &[&[V]], c
             }
         }
         left.retain(|v| !ring.contains(v));
-        let width = 0.03 * diagonal;
+        let width = 0.03 * low.distance(high);
         let within: Vec<usize> = (0..positions.len())
             .filter(|v| point[*v] == *v && !on_rim.contains(v))
             .filter(|v| {
-                let off = ring.iter().map(|r| length(sub(positions[*v], positions[*r]))).fold(f64::MAX, f64::min);
+                let off = ring.iter().map(|r| positions[*v].distance(positions[*r])).fold(f64::MAX, f64::min);
                 *close |= (off / width - 1.0).abs() < 1e-5;
                 off <= width
             })
@@ -100,10 +81,10 @@ pub fn held_vertices(positions: &[V], triangles: &[[u32; 3]], fields: &[&[V]], c
             .collect();
         let mut moves = |which: &BTreeSet<usize>| {
             fields.iter().any(|d| {
-                let least = 0.01 * d.iter().map(|u| length(*u)).fold(0.0, f64::max);
+                let least = 0.01 * d.iter().map(|u| u.length()).fold(0.0, f64::max);
                 (0..positions.len()).filter(|v| which.contains(&point[*v])).any(|v| {
-                    *close |= least > 0.0 && (length(d[v]) / least - 1.0).abs() < 1e-5;
-                    length(d[v]) > least
+                    *close |= least > 0.0 && (d[v].length() / least - 1.0).abs() < 1e-5;
+                    d[v].length() > least
                 })
             })
         };

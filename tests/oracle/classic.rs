@@ -1,29 +1,30 @@
 //! The paper's classic rule: Eq. 4.4-4.7, Figure 4.2 (selection) and Figure 4.3 (deformation).
 
+use crumple::glam::DVec3;
+
 use super::Model;
-use super::vector::{V, add, dot, length, lerp, scale, sub};
 
 /// Eq. 4.4: displacement (m) by an impulse (N s) with a duration (s) on a vertex with a mass (kg).
-pub fn target_displacement(impulse: V, duration: f64, mass: f64) -> V {
-    scale(duration / mass, impulse)
+pub fn target_displacement(impulse: DVec3, duration: f64, mass: f64) -> DVec3 {
+    impulse * (duration / mass)
 }
 
 /// Eq. 4.5.
-pub fn cosine(a: V, b: V) -> f64 {
-    dot(a, b) / (length(a) * length(b))
+pub fn cosine(a: DVec3, b: DVec3) -> f64 {
+    a.dot(b) / (a.length() * b.length())
 }
 
 /// Eq. 4.7.
-pub fn blend_weight(needed: V, example: V) -> f64 {
-    length(needed) / length(example)
+pub fn blend_weight(needed: DVec3, example: DVec3) -> f64 {
+    needed.length() / example.length()
 }
 
 /// Figure 4.2: the first example with the highest cosine among those that move `vertex`, and its weight.
-pub fn choose(model: &Model, vertex: usize, target: V, clamp: bool) -> Option<(usize, f64)> {
+pub fn choose(model: &Model, vertex: usize, target: DVec3, clamp: bool) -> Option<(usize, f64)> {
     let mut best: Option<(usize, f64)> = None;
     for (i, example) in model.examples.iter().enumerate() {
         let d = example.deltas[vertex];
-        if d == [0.0; 3] {
+        if d == DVec3::ZERO {
             continue;
         }
         let similarity = cosine(target, d);
@@ -39,17 +40,17 @@ pub fn choose(model: &Model, vertex: usize, target: V, clamp: bool) -> Option<(u
 
 /// Figure 4.3: blends the position of every vertex that the example moves towards the example. `k` is the "fine
 /// constant"; 0 keeps the most displaced.
-pub fn deform(model: &Model, current: &mut [V], example: usize, weight: f64, k: f64) {
+pub fn deform(model: &Model, current: &mut [DVec3], example: usize, weight: f64, k: f64) {
     for (v, d) in model.examples[example].deltas.iter().enumerate() {
-        if *d == [0.0; 3] {
+        if *d == DVec3::ZERO {
             continue;
         }
         let base = model.positions[v];
-        let result = lerp(current[v], add(base, *d), weight);
-        if length(sub(result, base)) >= length(sub(current[v], base)) {
+        let result = current[v].lerp(base + *d, weight);
+        if result.distance(base) >= current[v].distance(base) {
             current[v] = result;
         } else {
-            current[v] = lerp(current[v], result, k);
+            current[v] = current[v].lerp(result, k);
         }
     }
 }

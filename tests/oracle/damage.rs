@@ -50,12 +50,8 @@ impl Ledger {
         let weakest = *self.energies.iter().min_by(|a, b| size(*a).total_cmp(&size(*b))).unwrap().0;
         let energy = self.energies.remove(&weakest).unwrap();
         // squared and in f32 as well, so that equally near contacts tie as they do in the library
-        let at = |k: &Key| model.positions[k.0 as usize].map(|x| x as f32);
-        let distance = |k: &Key| {
-            let (a, b) = (at(k), at(&weakest));
-            let d = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
-            d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
-        };
+        let at = |k: &Key| model.positions[k.0 as usize].as_vec3();
+        let distance = |k: &Key| at(k).distance_squared(at(&weakest));
         let Some(heir) = self.energies.keys().min_by(|a, b| distance(a).total_cmp(&distance(b))).copied() else {
             return;
         };

@@ -1,6 +1,6 @@
 //! Marks near each other: displacements from what each hit alone leaves, one vertex at a time.
 
-use super::vector::{V, add, length, scale, sub};
+use crumple::glam::DVec3;
 
 /// The power of the depth that energy goes with.
 pub const POWER: f64 = 2.4;
@@ -14,13 +14,13 @@ pub struct Mark {
     /// Energy in hits.
     pub hits: f64,
     /// What one hit alone moves each vertex by, m, and the depth limit for which that was computed.
-    pub field: Vec<V>,
+    pub field: Vec<DVec3>,
     pub limit: f64,
 }
 
 impl Mark {
     /// A mark of the library. `alone` is what one hit of it moves each vertex by, m, with a depth limit that is far.
-    pub fn of(mark: &crumple::Mark, alone: &impl Fn(&crumple::Mark) -> (Vec<V>, f64)) -> Mark {
+    pub fn of(mark: &crumple::Mark, alone: &impl Fn(&crumple::Mark) -> (Vec<DVec3>, f64)) -> Mark {
         let (field, limit) = alone(mark);
         let hits = mark.energy as f64 / crumple::Mark::ONE as f64;
         Mark { contact: mark.contact as usize, depth: mark.depth.into(), hits, field, limit }
@@ -28,15 +28,15 @@ impl Mark {
 
     /// The longest displacement, m.
     pub fn longest(&self) -> f64 {
-        self.field.iter().map(|u| length(*u)).fold(0.0, f64::max)
+        self.field.iter().map(|u| u.length()).fold(0.0, f64::max)
     }
 }
 
 /// All the energy near each contact, in hits of the mark's depth.
 fn energies(marks: &[Mark]) -> Vec<f64> {
     let share = |of: &Mark, at: &Mark| {
-        let own = length(of.field[of.contact]);
-        if own > 0.0 { length(of.field[at.contact]) / own } else { 0.0 }
+        let own = of.field[of.contact].length();
+        if own > 0.0 { of.field[at.contact].length() / own } else { 0.0 }
     };
     let energy = |(m, mark): (usize, &Mark)| -> f64 {
         let energy = |(j, other): (usize, &Mark)| {
@@ -60,7 +60,7 @@ fn doubtful_energies(marks: &[Mark], sign: f64) -> Vec<f64> {
     let off = |mark: &Mark| {
         let mut off = mark.clone();
         let (own, step) = (&mut off.field[mark.contact], 0.87 * mark.limit / 16000.0);
-        *own = scale(1.0 + sign * (2e-4 + step / length(*own).max(2.0 * step)), *own);
+        *own *= 1.0 + sign * (2e-4 + step / own.length().max(2.0 * step));
         off
     };
     energies(&marks.iter().map(off).collect::<Vec<_>>())
@@ -84,7 +84,7 @@ pub struct Shown {
 
 impl Shown {
     /// What is shown of the library's marks. `alone` is that of [`Mark::of`].
-    pub fn of(given: &[crumple::Mark], alone: impl Fn(&crumple::Mark) -> (Vec<V>, f64)) -> Shown {
+    pub fn of(given: &[crumple::Mark], alone: impl Fn(&crumple::Mark) -> (Vec<DVec3>, f64)) -> Shown {
         let mut marks: Vec<Mark> = given.iter().map(|mark| Mark::of(mark, &alone)).collect();
         let all = energies(&marks);
         let strengths = strengths(&marks, &all);
@@ -99,8 +99,8 @@ impl Shown {
             let strength = if given.told == 1 { given.strength + 500 * level } else { 0 };
             let depth = given.depth * deeper as f32;
             let (field, limit) = alone(&crumple::Mark { depth, strength, ..*given });
-            if length(field[mark.contact]) > 0.0 {
-                mark.field = field.iter().map(|u| scale(1.0 / deeper, *u)).collect();
+            if field[mark.contact].length() > 0.0 {
+                mark.field = field.iter().map(|u| *u / deeper).collect();
                 mark.limit = limit / deeper;
             }
         }
@@ -111,7 +111,7 @@ impl Shown {
     }
 
     /// Displacement of `vertex` by all marks, on a body with this depth limit, m.
-    pub fn displacement(&self, vertex: usize, limit: f64, own: Limit) -> V {
+    pub fn displacement(&self, vertex: usize, limit: f64, own: Limit) -> DVec3 {
         displacement(&self.marks, &self.strengths, vertex, limit, own)
     }
 
@@ -119,7 +119,7 @@ impl Shown {
     pub fn doubt(&self, vertex: usize, limit: f64, own: Limit) -> f64 {
         let ought = self.displacement(vertex, limit, own);
         let of = |strengths: &Vec<f64>| displacement(&self.marks, strengths, vertex, limit, own);
-        let strengths: f64 = self.others.iter().map(|others| 2.0 * length(sub(of(others), ought))).sum();
+        let strengths: f64 = self.others.iter().map(|others| 2.0 * of(others).distance(ought)).sum();
         strengths + self.rounding + 0.87 * limit / 16000.0
     }
 }
@@ -138,11 +138,11 @@ fn soft(length: f64, limit: f64) -> f64 {
 }
 
 /// Displacement of `vertex` by all marks with their strengths, on a body with this depth limit, m.
-fn displacement(marks: &[Mark], strengths: &[f64], vertex: usize, limit: f64, own: Limit) -> V {
-    let sum = marks.iter().zip(strengths).fold([0.0; 3], |sum, (m, s)| add(sum, scale(*s, m.field[vertex])));
-    let s = length(sum);
+fn displacement(marks: &[Mark], strengths: &[f64], vertex: usize, limit: f64, own: Limit) -> DVec3 {
+    let sum = marks.iter().zip(strengths).map(|(m, s)| m.field[vertex] * *s).sum::<DVec3>();
+    let s = sum.length();
     if s == 0.0 {
-        return [0.0; 3];
+        return DVec3::ZERO;
     }
-    scale((own.give * soft(s, limit)).min(own.depth) / s, sum)
+    sum * ((own.give * soft(s, limit)).min(own.depth) / s)
 }

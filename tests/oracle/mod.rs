@@ -6,23 +6,22 @@ pub mod body;
 pub mod classic;
 pub mod damage;
 pub mod marks;
-pub mod vector;
 
 use crumple::ExampleSet;
-use vector::{V, from_f32, length, sub};
+use crumple::glam::DVec3;
 
 /// One example, in f64.
 #[derive(Debug, Clone)]
 pub struct Example {
     pub contact_vertex: usize,
     /// One displacement per vertex, m.
-    pub deltas: Vec<V>,
+    pub deltas: Vec<DVec3>,
 }
 
 /// The body and its examples, in f64.
 #[derive(Debug, Clone)]
 pub struct Model {
-    pub positions: Vec<V>,
+    pub positions: Vec<DVec3>,
     /// The mirror planes that exist: bit 0 for x, 1 for y, 2 for z.
     pub planes: u8,
     /// Vertices on held rims (every copy at a seam).
@@ -36,16 +35,15 @@ pub struct Model {
 impl Model {
     pub fn of(set: &ExampleSet) -> Self {
         let mesh = set.mesh();
-        let positions: Vec<V> = mesh.positions().iter().map(|p| from_f32(p.to_array())).collect();
-        let deltas =
-            |e: &crumple::Example| (0..positions.len() as u32).map(|v| from_f32(e.delta(v).to_array())).collect();
+        let positions: Vec<DVec3> = mesh.positions().iter().map(|p| p.as_dvec3()).collect();
+        let deltas = |e: &crumple::Example| (0..positions.len() as u32).map(|v| e.delta(v).as_dvec3()).collect();
         let examples: Vec<Example> = set
             .examples()
             .iter()
             .map(|e| Example { contact_vertex: e.contact_vertex() as usize, deltas: deltas(e) })
             .collect();
         let mut close = false;
-        let fields: Vec<&[V]> = examples.iter().map(|e| e.deltas.as_slice()).collect();
+        let fields: Vec<&[DVec3]> = examples.iter().map(|e| e.deltas.as_slice()).collect();
         let held = if set.options().held_rims {
             body::held_vertices(&positions, mesh.triangles(), &fields, &mut close)
         } else {
@@ -53,17 +51,5 @@ impl Model {
         };
         let planes = if set.options().mirror { body::mirror_planes(&positions) } else { 0 };
         Self { positions, planes, held, depth_limit: f64::from(set.depth_limit()), examples, close }
-    }
-
-    /// The nearest base vertex and its distance; among equally near vertices the lowest index.
-    pub fn nearest(&self, point: V) -> (usize, f64) {
-        let mut best = (0, f64::INFINITY);
-        for (v, p) in self.positions.iter().enumerate() {
-            let distance = length(sub(*p, point));
-            if distance < best.1 {
-                best = (v, distance);
-            }
-        }
-        best
     }
 }

@@ -5,12 +5,12 @@
 use std::sync::{Arc, OnceLock};
 
 use arbitrary::Unstructured;
+use crumple::glam::{DVec3, Vec3};
 use crumple::{
     ExampleSet, Instance, InstanceOptions, Mark, Serial, SimdLevel, TaskSystem, ThreadPool, Tracker, VertexMemory,
 };
 use crumple_fuzz::{scene, seeds, target};
 use oracle::marks::{Limit, Shown};
-use oracle::vector::{V, add, from_f32, length, sub};
 
 #[path = "../../../tests/oracle/mod.rs"]
 mod oracle;
@@ -70,10 +70,9 @@ fn compare(set: &Arc<ExampleSet>, body: &mut Instance, updated: &Output) {
     let limit = f64::from(body.depth_limit().min(most));
     let free = Limit { depth: f64::INFINITY, give: 1.0 };
     for (v, position) in updated.positions.iter().enumerate() {
-        let base = from_f32(set.mesh().positions()[v].to_array());
-        let at = add(base, shown.displacement(v, limit, free));
-        let off = length(sub(from_f32(*position), at));
-        let allowed = shown.doubt(v, limit, free) + 4e-7 * length(at);
+        let at = set.mesh().positions()[v].as_dvec3() + shown.displacement(v, limit, free);
+        let off = Vec3::from(*position).as_dvec3().distance(at);
+        let allowed = shown.doubt(v, limit, free) + 4e-7 * at.length();
         assert!(
             off <= allowed,
             "vertex {v} at {position:?} is {off:e} m from {at:?}; {allowed:e} is allowed: {given:?}, {:?}",
@@ -83,14 +82,14 @@ fn compare(set: &Arc<ExampleSet>, body: &mut Instance, updated: &Output) {
 }
 
 /// The displacements of all vertices by one hit of a mark alone, m, if it moves none of them by nearly `most`.
-fn alone(set: &Arc<ExampleSet>, mark: &Mark, most: f32) -> Vec<V> {
+fn alone(set: &Arc<ExampleSet>, mark: &Mark, most: f32) -> Vec<DVec3> {
     let options = InstanceOptions { depth_limit: Some(most), ..InstanceOptions::default() };
     let mut body = Instance::new(set.clone(), options).expect("an instance");
     body.set_marks(&[Mark { energy: Mark::ONE, ..*mark }]).expect("a mark of the set");
     let mut output = Output::new(set);
     output.update(&mut body, &Serial);
     let moved = output.positions.iter().zip(set.mesh().positions());
-    moved.map(|(to, from)| sub(from_f32(*to), from_f32(from.to_array()))).collect()
+    moved.map(|(to, from)| Vec3::from(*to).as_dvec3() - from.as_dvec3()).collect()
 }
 
 /// Memory for each attribute that the mesh has.
