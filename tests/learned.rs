@@ -1,5 +1,5 @@
-//! What a set learns from all of its examples at once. tests/promises.rs holds the promises that all bodies
-//! share.
+//! What a set learns from all of its examples at once. src/predict/tests.rs has the facts of the rule itself, tests/promises.rs the promises
+//! that all bodies share.
 
 mod scenes;
 
@@ -8,11 +8,9 @@ use std::sync::{Arc, Mutex};
 
 use crumple::glam::Vec3;
 use crumple::{
-    BasisOptions, Blow, Error, ExampleData, ExampleSet, Hit, HitStatus, Mark, MeshData, Serial, SetOptions, ThreadPool,
-    map_damage,
+    BasisOptions, Blow, Error, ExampleData, ExampleSet, Hit, Mark, MeshData, Serial, SetOptions, ThreadPool, map_damage,
 };
-use proptest::prelude::*;
-use scenes::{Dice, Output, build, displacements, new, relative_l2};
+use scenes::{Dice, Output, displacements, new, relative_l2};
 
 /// A sheet whose dents go with the root of the blow's energy, and are three times as deep on the right as on the left.
 struct Soft {
@@ -99,48 +97,6 @@ fn examples_that_look_alike_tell_of_each_other() {
 }
 
 #[test]
-fn more_examples_are_nearer_to_the_truth() {
-    let soft = Soft::new();
-    let mut dice = Dice::new(91);
-    let unseen: Vec<(u32, f32)> = (0..16).map(|_| (soft.place(&mut dice), dice.between(30.0, 300.0))).collect();
-    let errors = |count: usize| {
-        let set = soft.set(count);
-        let mut errors: Vec<f64> = unseen
-            .iter()
-            .map(|(v, energy)| {
-                let ought =
-                    build(soft.mesh.clone(), vec![scenes::struck(&soft.mesh, *v, *energy)], SetOptions::default());
-                let ought: Vec<Vec3> = (0..ought.vertex_count() as u32).map(|v| ought.examples()[0].delta(v)).collect();
-                relative_l2(&after(&set, &hit(&set, *v, *energy)), &ought)
-            })
-            .collect();
-        errors.sort_by(f64::total_cmp);
-        errors[8]
-    };
-    let [few, many] = [6, 40].map(errors);
-    assert!(many < 0.12 && many < 0.6 * few, "{few} with 6 examples, {many} with 40");
-}
-
-#[test]
-fn harder_blows_are_never_shallower_and_weak_ones_leave_nothing() {
-    let set = Soft::new().set(20);
-    let mut dice = Dice::new(7);
-    for _ in 0..12 {
-        let v = Soft::new().place(&mut dice);
-        let depths: Vec<f32> = (0..40)
-            .map(|k| {
-                let outcome = new(&set).preview(&hit(&set, v, 0.05 * 1.4f32.powi(k))).unwrap();
-                Vec3::from(outcome.achieved).length()
-            })
-            .collect();
-        // Marks store a blow's numbers to a thousandth.
-        assert!(depths.windows(2).all(|d| d[1] >= d[0] * 0.99), "{depths:?}");
-        assert_eq!(depths[0], 0.0, "a four-hundredth of the weakest example leaves nothing");
-        assert!(depths[39] > 0.0 && depths.iter().all(|d| *d <= set.depth_limit() * 1.001));
-    }
-}
-
-#[test]
 fn expected_errors_tell_where_examples_contradict_each_other() {
     let soft = Soft::new();
     // Examples of one half keep the law, those of the other do not.
@@ -164,30 +120,6 @@ fn expected_errors_tell_where_examples_contradict_each_other() {
         good > 0.0 && bad < 2.0 && bad > 1.05 * good,
         "{good} where examples keep the law, {bad} where they do not"
     );
-}
-
-#[test]
-fn a_displacement_is_reached_at_its_contact() {
-    let set = Soft::new().set(20);
-    let mut dice = Dice::new(12);
-    for _ in 0..20 {
-        let v = Soft::new().place(&mut dice);
-        let wanted = Vec3::new(0.0, 0.0, -0.5 * set.depth_limit() * dice.between(0.1, 1.0));
-        let outcome =
-            new(&set).preview(&scenes::push(set.mesh().positions()[v as usize].to_array(), wanted.to_array()));
-        let achieved = Vec3::from(outcome.unwrap().achieved);
-        assert!((achieved.length() / wanted.length() - 1.0).abs() < 1e-3, "{achieved} of {wanted}");
-    }
-}
-
-#[test]
-fn a_hit_moves_nothing_far_away() {
-    let set = Soft::new().set(20);
-    let v = scenes::nearest(&Soft::new().mesh, [-0.3, -0.3, 0.0]);
-    let moved = after(&set, &hit(&set, v, 100.0));
-    let at = set.mesh().positions()[v as usize];
-    let far = (0..set.vertex_count()).filter(|w| set.mesh().positions()[*w].distance(at) > 0.6);
-    assert!(far.into_iter().all(|w| moved[w] == Vec3::ZERO), "what ends at .25 in every example moves something at .6");
 }
 
 #[test]
@@ -239,31 +171,4 @@ fn bad_marks_and_bodies_are_refused() {
     // Of a hit told as a blow, such a set has nothing to say.
     let (_, mapping) = map_damage(&set, &deaf, &body.save(), 0.0).unwrap();
     assert_eq!((mapping.kept, mapping.without_blows), (0, 1));
-}
-
-proptest! {
-    #![proptest_config(scenes::cases(24))]
-
-    #[test]
-    fn whatever_a_file_says_a_set_is_usable_or_refused(seed in any::<u64>()) {
-        static FILE: std::sync::OnceLock<Vec<u8>> = std::sync::OnceLock::new();
-        let file = FILE.get_or_init(|| Soft::new().set(8).save().unwrap());
-        let mut dice = Dice::new(seed);
-        let mut bytes = file.clone();
-        for _ in 0..1 + dice.index(6) {
-            // Section rule begins with its length; damage anywhere does for it.
-            let at = 64 + dice.index(bytes.len() - 64);
-            bytes[at] = dice.next() as u8;
-        }
-        let checksum = crumple::file_checksum(&bytes, &Serial);
-        bytes[8..16].copy_from_slice(&checksum.to_le_bytes());
-        if let Ok(set) = ExampleSet::load_copy(&bytes, &Serial) {
-            let set = Arc::new(set);
-            let mut body = new(&set);
-            let outcome = body.submit(&hit(&set, 300, 100.0));
-            prop_assert!(outcome.is_ok_and(|o| o.status != HitStatus::Accumulated));
-            let limit = body.depth_limit();
-            prop_assert!(displacements(&mut body).iter().all(|u| u.length() <= limit * 1.001));
-        }
-    }
 }

@@ -13,7 +13,7 @@ pub fn repair(file: &mut [u8]) {
 
 /// Loads bytes and uses the set, if it is one; whether it is.
 pub fn load_and_use(file: Vec<u8>) -> bool {
-    use crumple::{ExampleSet, Hit, Instance, InstanceOptions, Rule, Serial, Tracker, VertexMemory};
+    use crumple::{Blow, ExampleSet, Hit, Instance, InstanceOptions, Rule, Serial, Tracker, VertexMemory};
     let Ok(set) = ExampleSet::load(file, &Serial) else { return false };
     let set = std::sync::Arc::new(set);
     let n = set.vertex_count();
@@ -33,6 +33,7 @@ pub fn load_and_use(file: Vec<u8>) -> bool {
             let point = set.mesh().positions()[v].to_array();
             let _ = body.submit(&Hit::displacement(point, push));
             let _ = body.submit(&Hit::displacement(point.map(|x| x + size * 0.1), push));
+            let _ = body.submit(&Hit::blow(point, Blow::of_impulse(push, 0.01)));
         }
         let (mut positions, mut normals, mut tangents) =
             (vec![[0.0f32; 3]; n], vec![[0.0f32; 3]; n], vec![[0.0f32; 4]; n]);
