@@ -1,6 +1,7 @@
 //! Compares a glTF with what `crumple apply` made of it: everything that no dent reached must be as it was, byte for byte.
 
 use base64::Engine;
+use crumple::glam::{DMat4, DQuat, DVec3};
 use serde_json::{Value, json};
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -175,7 +176,7 @@ impl File {
     }
 
     /// The mesh of each node that has one, with the node's world matrix.
-    fn shown(&self) -> Vec<(usize, &Value, [[f64; 4]; 4])> {
+    fn shown(&self) -> Vec<(usize, &Value, DMat4)> {
         let nodes = list(&self.json["nodes"]);
         let mut parent = vec![None; nodes.len()];
         for (i, node) in nodes.iter().enumerate() {
@@ -184,7 +185,7 @@ impl File {
         let world = |mut node: usize| {
             let mut matrix = local(&nodes[node]);
             while let Some(up) = parent[node] {
-                matrix = product(&local(&nodes[up]), &matrix);
+                matrix = local(&nodes[up]) * matrix;
                 node = up;
             }
             matrix
@@ -203,27 +204,18 @@ fn uri_bytes(folder: &Path, uri: &str) -> Option<Vec<u8>> {
     std::fs::read(folder.join(path)).ok()
 }
 
-fn local(node: &Value) -> [[f64; 4]; 4] {
+fn local(node: &Value) -> DMat4 {
     let numbers = |key: &str, default: &[f64]| -> Vec<f64> {
         let given: Vec<f64> = list(&node[key]).iter().filter_map(Value::as_f64).collect();
         if given.is_empty() { default.to_vec() } else { given }
     };
     let m = numbers("matrix", &[]);
     if m.len() == 16 {
-        return std::array::from_fn(|c| std::array::from_fn(|r| m[c * 4 + r]));
+        return DMat4::from_cols_slice(&m);
     }
-    let (t, s) = (numbers("translation", &[0.0; 3]), numbers("scale", &[1.0; 3]));
-    let q = numbers("rotation", &[0.0, 0.0, 0.0, 1.0]);
-    let rotation =
-        crumple::glam::DMat3::from_quat(crumple::glam::DQuat::from_xyzw(q[0], q[1], q[2], q[3])).to_cols_array_2d();
-    std::array::from_fn(|c| match c {
-        3 => [t[0], t[1], t[2], 1.0],
-        c => [rotation[c][0] * s[c], rotation[c][1] * s[c], rotation[c][2] * s[c], 0.0],
-    })
-}
-
-fn product(a: &[[f64; 4]; 4], b: &[[f64; 4]; 4]) -> [[f64; 4]; 4] {
-    std::array::from_fn(|c| std::array::from_fn(|r| (0..4).map(|k| a[k][r] * b[c][k]).sum()))
+    let of = |key: &str, default: [f64; 3]| DVec3::from_slice(&numbers(key, &default));
+    let rotation = DQuat::from_slice(&numbers("rotation", &[0.0, 0.0, 0.0, 1.0]));
+    DMat4::from_scale_rotation_translation(of("scale", [1.0; 3]), rotation, of("translation", [0.0; 3]))
 }
 
 const INSTANCING: &str = "EXT_mesh_gpu_instancing";
@@ -361,14 +353,11 @@ fn animations(before: &File, after: &File, differ: &mut dyn FnMut(String)) {
 }
 
 type Place = [i64; 3];
-type Pair<'f> = ((usize, &'f Value, [[f64; 4]; 4]), (usize, &'f Value, [[f64; 4]; 4]));
+type Pair<'f> = ((usize, &'f Value, DMat4), (usize, &'f Value, DMat4));
 
 /// Where a vertex stands in the scene, to a thousandth of a millimetre for a body of a metre.
-fn place(world: &[[f64; 4]; 4], p: &[f64]) -> Place {
-    std::array::from_fn(|r| {
-        let x = (0..3).map(|c| world[c][r] * p[c]).sum::<f64>() + world[3][r];
-        (x * 1e5).round() as i64
-    })
+fn place(world: &DMat4, p: &[f64]) -> Place {
+    world.transform_point3(DVec3::from_slice(p)).to_array().map(|x| (x * 1e5).round() as i64)
 }
 
 /// The places of all vertices of triangles with a corner that moved: their normals may turn.
@@ -392,7 +381,7 @@ fn primitive(
     (before, after): (&File, &File),
     (a, b): (&Value, &Value),
     name: &str,
-    (world, near, shown): (&[[f64; 4]; 4], &HashSet<Place>, &HashSet<usize>),
+    (world, near, shown): (&DMat4, &HashSet<Place>, &HashSet<usize>),
     report: &mut Report,
 ) {
     let mut differ = |what: String| report.differences.push(format!("{name}: {what}"));
@@ -458,12 +447,11 @@ fn targets((before, after): (&File, &File), (a, b): (&Value, &Value), differ: &m
 
 /// The sum of the areas of a file's triangles, and whether all face to the side of the first.
 pub fn area(file: &File) -> (f64, bool) {
-    use crumple::glam::DVec3;
     let mut all = Vec::new();
     for (_, mesh, _) in file.shown() {
         for p in list(&mesh["primitives"]) {
             let Some(at) = file.elements(&p["attributes"]["POSITION"]) else { continue };
-            let corner = |v: usize| DVec3::new(at.values[v][0], at.values[v][1], at.values[v][2]);
+            let corner = |v: usize| DVec3::from_slice(&at.values[v]);
             all.extend(
                 file.triangles(p)
                     .into_iter()

@@ -1,26 +1,9 @@
-//! Files as people have them. Each folder beside this file is a case: files, and `case.json`, which says what to run and what holds.
+//! Files as people have them. Each folder in `tests/files` is a case: files, and `case.json`, which says what to run and what holds.
 //! The folders are named after the kind of file. `cargo xtask sweep` runs the same comparison over any folder.
 
-mod compare;
-mod sweep;
-
+use crate::{asset, compare, crumple_in};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
-use std::process::Command;
-
-/// What a command printed, and whether it succeeded.
-struct Run {
-    good: bool,
-    text: String,
-}
-
-/// Runs `crumple` in a folder.
-fn crumple(folder: &Path, words: &[&str]) -> Run {
-    let output = Command::new(env!("CARGO_BIN_EXE_crumple")).args(words).current_dir(folder).output().unwrap();
-    let text = [output.stdout, output.stderr].concat();
-    Run { good: output.status.success(), text: String::from_utf8(text).unwrap() }
-}
-
 /// The keys of `case.json`, or of each case of its list:
 ///
 /// - `about`: the kind of file, in a sentence.
@@ -51,16 +34,15 @@ fn check(folder: &Path, case: &Value) -> Vec<String> {
     let mut printed = String::new();
     let lines = texts("run");
     for (i, line) in lines.iter().enumerate() {
-        let run = crumple(work.path(), &line.split(' ').collect::<Vec<_>>());
-        let should_fail = case["error"] == true && i + 1 == lines.len();
-        if run.good == should_fail {
-            wrong.push(format!("'{line}' {}", if run.good { "succeeded" } else { "failed" }));
+        let run = crumple_in(work.path(), &line.split(' ').collect::<Vec<_>>());
+        let (text, should_fail) = (run.text(), case["error"] == true && i + 1 == lines.len());
+        if run.is_good() == should_fail {
+            wrong.push(format!("'{line}' {}", if should_fail { "succeeded" } else { "failed" }));
         }
         // A message that fits into three lines of a terminal.
-        let long =
-            run.text.lines().find(|l| (l.contains("arning") || l.starts_with("error")) && l.chars().count() > 300);
+        let long = text.lines().find(|l| (l.contains("arning") || l.starts_with("error")) && l.chars().count() > 300);
         wrong.extend(long.map(|l| format!("a message of {} characters: {l}", l.chars().count())));
-        printed.push_str(&run.text);
+        printed.push_str(&text);
     }
     wrong.extend(texts("says").into_iter().filter(|t| !printed.contains(t)).map(|t| format!("it does not say '{t}'")));
     wrong.extend(texts("never").into_iter().filter(|t| printed.contains(t)).map(|t| format!("it says '{t}'")));
@@ -120,8 +102,8 @@ fn copy(from: &Path, to: &Path) {
 
 #[test]
 fn files_as_people_have_them() {
-    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/files");
-    let folders = std::fs::read_dir(root).unwrap().map(|e| e.unwrap().path()).filter(|path| path.is_dir());
+    let folders =
+        std::fs::read_dir(asset("tests/files")).unwrap().map(|e| e.unwrap().path()).filter(|path| path.is_dir());
     let mut folders: Vec<PathBuf> = folders.collect();
     folders.sort();
     assert!(folders.len() >= 34, "{}", folders.len());

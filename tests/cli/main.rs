@@ -1,7 +1,10 @@
-//! The `crumple` command, run as a user runs it: its reports, and its messages for bad input.
+//! The `crumple` command, run as a user runs it: its reports, its messages for bad input, and files as people have them.
 
 mod commands;
+mod compare;
 mod errors;
+mod files;
+mod sweep;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -18,16 +21,27 @@ pub struct Run {
 
 /// Runs `crumple` with these arguments in the repository's root.
 pub fn crumple(arguments: &[&str]) -> Run {
-    let Output { status, stdout, stderr } = Command::new(env!("CARGO_BIN_EXE_crumple"))
-        .args(arguments)
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .output()
-        .expect("the command starts");
+    crumple_in(Path::new(env!("CARGO_MANIFEST_DIR")), arguments)
+}
+
+/// The same in a folder.
+pub fn crumple_in(folder: &Path, arguments: &[&str]) -> Run {
+    let command = Command::new(env!("CARGO_BIN_EXE_crumple")).args(arguments).current_dir(folder).output();
+    let Output { status, stdout, stderr } = command.expect("the command starts");
     let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
     Run { code: status.code(), stdout: text(stdout), stderr: text(stderr) }
 }
 
 impl Run {
+    pub fn is_good(&self) -> bool {
+        self.code == Some(0)
+    }
+
+    /// All that it printed.
+    pub fn text(&self) -> String {
+        [&*self.stdout, &*self.stderr].concat()
+    }
+
     /// The report of a run, which must have succeeded.
     #[track_caller]
     pub fn report(self) -> String {

@@ -1,7 +1,7 @@
 //! Runs info, bake, sample and apply over the files of a folder, and compares what apply wrote with what it read.
 
 use crate::compare::{self, Report};
-use crate::crumple;
+use crate::{asset, crumple_in};
 use std::path::{Path, PathBuf};
 
 /// `cargo xtask sweep DIR` sets CRUMPLE_SWEEP to the folder, and CRUMPLE_SWEEP_OPTIONS to what follows it. CRUMPLE_SWEEP_REFUSED is a
@@ -42,7 +42,7 @@ fn sweep() {
 
 #[test]
 fn what_blender_wrote_stays_where_no_dent_reached() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures");
+    let folder = asset("tests/fixtures");
     for (name, mesh) in [
         ("two_materials.glb", "0"),
         ("two_materials_sparse.glb", "0"),
@@ -106,10 +106,11 @@ fn one(file: &Path, options: &[&str]) -> Swept {
         [&["sample"], &source[..], &["-o", "s.json", "--count", "3"]].concat(),
         [&["apply"], &source[..], &["--impacts", "s.json", "-o", "o.glb"]].concat(),
     ] {
-        let run = crumple(work.path(), &line);
-        let first = |start: &str| run.text.lines().map(str::trim).find_map(|l| Some(l.strip_prefix(start)?.trim()));
+        let run = crumple_in(work.path(), &line);
+        let text = run.text();
+        let first = |start: &str| text.lines().map(str::trim).find_map(|l| Some(l.strip_prefix(start)?.trim()));
         let said = first("error:").or(first("Warning:")).or(first("warning")).unwrap_or_default();
-        words.push(if !run.good {
+        words.push(if !run.is_good() {
             "refused"
         } else if said.is_empty() {
             "good"
@@ -119,7 +120,7 @@ fn one(file: &Path, options: &[&str]) -> Swept {
         if says.is_empty() {
             says = said.replace('|', "/").replace(&path, "it");
         }
-        if !run.good {
+        if !run.is_good() {
             break;
         }
     }

@@ -42,7 +42,7 @@ pub fn stage(workspace: &Workspace) -> Result<Outcome> {
 
 /// Runs the sweep over a folder. `test` is a `cargo test` with its features, and `options` are for the commands.
 pub fn sweep(test: Cmd<'_>, folder: &Path, options: &str) -> Result<()> {
-    let test = test.args(["--test", "files", "sweep", "--", "--nocapture"]);
+    let test = test.args(["--test", "cli", "sweep", "--", "--nocapture"]);
     Ok(test.env("CRUMPLE_SWEEP", std::path::absolute(folder)?).env("CRUMPLE_SWEEP_OPTIONS", options).run()?)
 }
 
