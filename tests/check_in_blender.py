@@ -19,8 +19,6 @@ def rounded(values):
 
 
 def mesh(data):
-    corners = [0.0] * (len(data.vertices) * 3)
-    data.vertices.foreach_get("co", corners)
     uvs = {}
     for layer in data.uv_layers:
         flat = [0.0] * (len(data.loops) * 2)
@@ -32,9 +30,6 @@ def mesh(data):
         "materials": [m.name if m else None for m in data.materials],
         "material_of_each": [p.material_index for p in data.polygons],
         "uvs": uvs,
-        "shape_keys": len(data.shape_keys.key_blocks) if data.shape_keys else 0,
-        # Blender is z up; these are glTF's axes again.
-        "positions": [c for i in range(0, len(corners), 3) for c in (corners[i], corners[i + 2], -corners[i + 1])],
     }
 
 

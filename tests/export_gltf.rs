@@ -406,8 +406,9 @@ fn validate(files: &[(&str, Vec<u8>)]) {
     }
 }
 
-/// Runs Blender, which needs the bpy package (see check_in_blender.py). CRUMPLE_BLENDER_PYTHON names the Python that
-/// has it. CRUMPLE_REQUIRE_BLENDER=1 makes it required.
+/// Blender finds the same in a file and in what became of it, but for shape keys and positions, which `tests/cli/compare.rs` compares.
+/// It needs the bpy package (see check_in_blender.py). CRUMPLE_BLENDER_PYTHON names the Python that has it. CRUMPLE_REQUIRE_BLENDER=1
+/// makes it required.
 #[test]
 fn blender_opens_it_with_materials_uvs_and_node_tree() {
     let outputs: Vec<_> = FIXTURES.iter().map(|(name, mesh)| (*name, deformed(name, *mesh).1)).collect();
@@ -421,35 +422,11 @@ fn blender_opens_it_with_materials_uvs_and_node_tree() {
     assert_eq!(files.len(), 2 * FIXTURES.len(), "{stdout}\n{}", String::from_utf8_lossy(&output.stderr));
     let (before, after) = files.split_at(FIXTURES.len());
     for (((name, mesh), before), after) in FIXTURES.iter().zip(before).zip(after) {
-        let (imported, _) = deformed(name, *mesh);
-        let objects = |file: &Value| file["objects"].as_object().unwrap().clone();
-        let names = |file: &Value| objects(file).keys().cloned().collect::<Vec<_>>();
-        assert_eq!(names(before), names(after), "{name}");
-        assert_eq!(before["images"], after["images"], "{name}");
-        let mut actions = before["actions"].clone();
-        actions.as_array_mut().unwrap().retain(|a| imported.name != "Flag" || a != "FlagAction");
-        assert_eq!(actions, after["actions"], "{name}");
-        let mut dented = 0;
-        for (object, old) in objects(before) {
-            let new = &after["objects"][&object];
-            for key in ["kind", "parent", "matrix", "properties"] {
-                assert_eq!(old[key], new[key], "{name} {object} {key}");
-            }
-            for key in ["triangles", "materials", "material_of_each", "uvs"] {
-                assert_eq!(old["mesh"][key], new["mesh"][key], "{name} {object} {key}");
-            }
-            if old["mesh"]["shape_keys"].as_u64() > Some(0) && new["mesh"]["shape_keys"] == 0 {
-                dented += 1;
-                let positions: Vec<f64> = serde_json::from_value(new["mesh"]["positions"].clone()).unwrap();
-                let expected = bend(&imported);
-                assert_eq!(positions.len(), expected.len() * 3, "{name} {object}");
-                for (a, b) in positions.iter().zip(expected.as_flattened()) {
-                    assert!((a - f64::from(*b)).abs() < 1e-6, "{name} {object}");
-                }
-            } else {
-                assert_eq!(old["mesh"], new["mesh"], "{name} {object}");
-            }
+        let mut before = before.clone();
+        if (*name, *mesh) == ("animated.glb", 0) {
+            // It moves the dent's own target.
+            before["actions"].as_array_mut().unwrap().retain(|a| a != "FlagAction");
         }
-        assert_eq!(dented, if imported.name == "Door" { 2 } else { 1 }, "{name}");
+        assert_eq!(&before, after, "{name}");
     }
 }
