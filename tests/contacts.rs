@@ -4,7 +4,7 @@ mod scenes;
 
 use crumple::{Blow, Cause, Error, Hit, HitStatus, Instance, InstanceOptions, Mark, Rule};
 use proptest::prelude::*;
-use scenes::{Body, Dice, Output, push, random_hit};
+use scenes::{Body, Dice, Output, push, random_hit, with};
 use std::num::NonZeroU64;
 
 fn bodies() -> &'static [Body] {
@@ -14,10 +14,6 @@ fn bodies() -> &'static [Body] {
 
 fn id(n: u64) -> NonZeroU64 {
     NonZeroU64::new(n).unwrap()
-}
-
-fn with(set: &std::sync::Arc<crumple::ExampleSet>, options: InstanceOptions) -> Instance {
-    Instance::new(set.clone(), options).unwrap()
 }
 
 /// Asserts equal contacts and energies, and depths and hits that are equal up to rounding.
@@ -39,52 +35,6 @@ fn scaled(hit: &Hit, factor: f64) -> Hit {
         Cause::Impulse { blow, mass } => Cause::Impulse { blow: Blow { impulse: blow.impulse.map(by), ..blow }, mass },
     };
     Hit { cause, ..*hit }
-}
-
-/// A contact of 25 ms whose force rises and falls. Returns the impulse that an engine at this rate reports for each
-/// step, in `parts` sub-steps, as shares of the whole. The contact begins at `phase` of a step.
-fn steps(rate: f64, parts: usize, phase: f64) -> Vec<f64> {
-    const LASTS: f64 = 0.025;
-    let so_far = |t: f64| 0.5 - 0.5 * (std::f64::consts::PI * (t / LASTS).clamp(0.0, 1.0)).cos();
-    let dt = 1.0 / rate / parts as f64;
-    let count = ((LASTS + 1.0 / rate) / dt).ceil() as usize;
-    let at = |i: usize| i as f64 * dt - phase / rate;
-    (0..=count).map(|i| so_far(at(i + 1)) - so_far(at(i))).filter(|s| *s > 0.0).collect()
-}
-
-#[test]
-fn a_contact_leaves_the_same_mark_at_any_frame_rate_and_in_any_number_of_parts() {
-    for (body, set) in bodies() {
-        let mut dice = Dice::new(7);
-        for n in 0..4 {
-            let mut hit = random_hit(set, &mut dice);
-            if let (Cause::Displacement(d), true) = (hit.cause, n % 2 == 0) {
-                hit.cause = Cause::Impulse { blow: Blow::of_impulse(d.map(|x| x * 100.0), 0.01), mass: Some(1.0) };
-            }
-            let mut whole = with(set, InstanceOptions::default());
-            whole.submit(&hit).unwrap();
-            let expected = whole.marks().unwrap().to_vec();
-            for rate in [30.0, 60.0, 144.0, 240.0] {
-                for parts in [1, 2, 8, 40] {
-                    for read_between in [false, true] {
-                        let mut split = with(set, InstanceOptions::default());
-                        let mut out = Output::new(set);
-                        for share in steps(rate, parts, 0.3) {
-                            split.submit(&scaled(&hit, share).of_contact(id(9))).unwrap();
-                            if read_between {
-                                out.update(&mut split);
-                            }
-                        }
-                        split.end_contact(id(9)).unwrap();
-                        out.update(&mut split);
-                        assert_alike(split.marks().unwrap(), &expected);
-                        let fresh = Output::fresh(&mut split);
-                        assert!(out.all_bits() == fresh.all_bits(), "{body}: a replaced mark left something behind");
-                    }
-                }
-            }
-        }
-    }
 }
 
 #[test]
@@ -353,7 +303,7 @@ fn quick_classic_rules_refuse_contacts() {
 proptest! {
     #![proptest_config(scenes::cases(24))]
 
-    /// Many contacts at once, each split at random over random frames, among other hits. The marks are those of the
+    /// Many contacts at once, each split at random over random frames, as at any frame rate, among other hits. The marks are those of the
     /// whole contacts as long as none merge. In any order within the frames they have the same bits, merged or not.
     #[test]
     fn contacts_in_parts_are_contacts_reported_whole(
@@ -364,9 +314,12 @@ proptest! {
         let mut dice = Dice::new(seed);
         let options = InstanceOptions { capacity, ..InstanceOptions::default() };
         let (mut whole, mut split, mut turned) = (with(set, options), with(set, options), with(set, options));
-        let mut by_frame = vec![Vec::new(); frames];
+        let (mut by_frame, mut out) = (vec![Vec::new(); frames], Output::new(set));
         for c in 0..contacts {
-            let hit = random_hit(set, &mut dice);
+            let mut hit = random_hit(set, &mut dice);
+            if let (Cause::Displacement(d), 0) = (hit.cause, dice.index(2)) {
+                hit.cause = Cause::Impulse { blow: Blow::of_impulse(d.map(|x| x * 100.0), 0.01), mass: Some(1.0) };
+            }
             whole.submit(&hit.of_contact(id(1 + c as u64))).unwrap();
             let cuts = 1 + dice.index(20);
             let weights: Vec<f64> = (0..cuts).map(|_| f64::from(dice.between(0.01, 1.0))).collect();
@@ -388,20 +341,21 @@ proptest! {
                 turned.submit(hit).unwrap();
             }
             prop_assert!(split.marks().unwrap().len() <= capacity as usize);
+            out.update(&mut split);
             prop_assert!(exact(split.marks().unwrap()) == exact(turned.marks().unwrap()));
         }
-        assert_alike(split.marks().unwrap(), whole.marks().unwrap());
+        if capacity == 64 {
+            assert_alike(split.marks().unwrap(), whole.marks().unwrap());
+        }
         for c in (0..contacts).rev() {
             split.end_contact(id(1 + c as u64)).unwrap();
             turned.end_contact(id(contacts as u64 - c as u64)).unwrap();
         }
         prop_assert!(exact(split.marks().unwrap()) == exact(turned.marks().unwrap()));
         prop_assert_eq!(split.contact_count(), 0);
-        let (limit, out) = (split.depth_limit(), Output::fresh(&mut split));
-        for (p, b) in out.positions.iter().zip(set.mesh().positions()) {
-            let moved = (crumple::glam::Vec3::from_array(*p) - *b).length();
-            prop_assert!(moved <= limit * 1.00001 + 1e-6, "{moved} {limit}");
-        }
+        out.update(&mut split);
+        prop_assert!(out.all_bits() == Output::fresh(&mut split).all_bits(), "a replaced mark left something behind");
+        scenes::check_sound(&mut split)?;
     }
 }
 

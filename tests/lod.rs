@@ -121,8 +121,8 @@ fn vertices_between_follow_the_interpolated_displacement() {
 
 #[test]
 fn only_dirty_blocks_of_a_level_are_written() {
-    let mesh = sheet(24);
-    let set = with_lods(mesh.clone(), bowls(&mesh, 6, 0.15, 2), options(None), &[sheet(80), sheet(12)]);
+    let mesh = sheet(80);
+    let set = with_lods(mesh.clone(), bowls(&mesh, 6, 0.15, 2), options(None), &[mesh, sheet(12)]);
     let e = &set.examples()[0];
     let mut body = new(&set);
     let mut levels: Vec<Level> = (0..3).map(|lod| Level::new(&set, lod)).collect();
@@ -137,7 +137,7 @@ fn only_dirty_blocks_of_a_level_are_written() {
         level.positions.fill([f32::NAN; 3]);
         let report = level.update(&mut body);
         assert!(report.blocks_written > 0);
-        if level.lod == 1 {
+        if level.lod < 2 {
             assert!(report.blocks_skipped > 20, "{report:?}");
         }
         let written = |v: usize| level.tracker.changed().iter().any(|r| r.contains(&(v as u32)));

@@ -1,5 +1,5 @@
-//! Damage that travels: saved damage leaves the same marks elsewhere, the damage of many instances is one piece of bytes,
-//! and bytes that do not fit are refused by name.
+//! Damage that travels: the damage of many instances is one piece of bytes, and that of a changed set is mapped. That saved damage leaves
+//! the same marks elsewhere is in `promises.rs`.
 
 mod scenes;
 
@@ -7,25 +7,11 @@ use crumple::{
     Error, Instance, InstanceOptions, Mapping, Rule, Serial, ThreadPool, fold_all, load_all, map_damage, save_all,
 };
 use proptest::prelude::*;
-use scenes::{Body, Dice, Output, new, random_hit};
+use scenes::{Body, Dice, new, random_hit};
 
 fn bodies() -> &'static [Body] {
     static BODIES: std::sync::OnceLock<Vec<Body>> = std::sync::OnceLock::new();
     BODIES.get_or_init(scenes::small_bodies)
-}
-
-/// Changes the damage in one of the ways that a game does.
-fn change(instance: &mut Instance, dice: &mut Dice) {
-    let set = instance.example_set().clone();
-    match dice.index(12) {
-        0 => instance.repair(dice.between(0.0, 1.0)).unwrap(),
-        1 => instance.reset(),
-        _ => {
-            for _ in 0..1 + dice.index(5) {
-                instance.submit(&random_hit(&set, dice)).unwrap();
-            }
-        }
-    }
 }
 
 fn mismatch(result: Result<(), Error>) -> String {
@@ -38,33 +24,10 @@ fn mismatch(result: Result<(), Error>) -> String {
 proptest! {
     #![proptest_config(scenes::cases(24))]
 
-    /// A copy that gets the saved damage has the same marks, revision and vertices.
+    /// Instances of several sets and both kinds of rules, folded and loaded on two threads, come back from one piece of bytes; fewer
+    /// bytes are refused. `bad_input.rs` flips each bit.
     #[test]
-    fn saved_damage_leaves_the_same_marks_elsewhere(body in 0usize..3, seed: u64, keeps in 1u32..12) {
-        let set = &bodies()[body].1;
-        let mut dice = Dice::new(seed);
-        let options = InstanceOptions { capacity: keeps, ..InstanceOptions::default() };
-        let make = || Instance::new(set.clone(), options).unwrap();
-        let (mut server, mut client) = (make(), make());
-        let mut shown = Output::new(set);
-        shown.update(&mut client);
-        for _ in 0..20 {
-            for _ in 0..1 + dice.index(3) {
-                change(&mut server, &mut dice);
-                server.fold();
-            }
-            client.load(&server.save()).unwrap();
-            prop_assert_eq!(client.marks().unwrap(), server.marks().unwrap());
-            prop_assert_eq!(client.revision(), server.revision());
-            shown.update(&mut client);
-            prop_assert!(shown.all_bits() == Output::fresh(&mut server).all_bits());
-        }
-    }
-
-    /// Instances of several sets and both kinds of rules, folded and loaded on two threads, come back from one piece of bytes; any
-    /// other bytes are refused and change none of them.
-    #[test]
-    fn many_instances_are_one_piece_of_bytes(seed: u64, cut: prop::sample::Index, flip: u8) {
+    fn many_instances_are_one_piece_of_bytes(seed: u64, cut: prop::sample::Index) {
         let mut dice = Dice::new(seed);
         let rules = [Rule::Marks, Rule::MostDisplaced];
         let make = |i: usize| {
@@ -96,11 +59,6 @@ proptest! {
         let mut new: Vec<Instance> = (0..6).map(make).collect();
         let at = cut.index(bytes.len());
         prop_assert!(load_all(&mut new.iter_mut().collect::<Vec<_>>(), &bytes[..at], &Serial).is_err());
-        let mut damaged = bytes.clone();
-        damaged[at] ^= flip.max(1);
-        if load_all(&mut new.iter_mut().collect::<Vec<_>>(), &damaged, &Serial).is_err() {
-            prop_assert!(new.iter_mut().all(|i| i.save() == Instance::new(i.example_set().clone(), *i.options()).unwrap().save()));
-        }
     }
 }
 

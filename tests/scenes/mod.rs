@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
-use proptest::prelude::ProptestConfig;
+use proptest::prelude::{ProptestConfig, TestCaseError, prop_assert, prop_assert_eq};
 use proptest::test_runner::RngSeed;
 
 use crumple::glam::Vec3;
@@ -504,6 +504,69 @@ pub fn relative_l2(is: &[Vec3], ought: &[Vec3]) -> f64 {
 /// An instance with default options.
 pub fn new(set: &Arc<ExampleSet>) -> Instance {
     Instance::new(set.clone(), InstanceOptions::default()).unwrap()
+}
+
+/// An instance with these options.
+pub fn with(set: &Arc<ExampleSet>, options: InstanceOptions) -> Instance {
+    Instance::new(set.clone(), options).unwrap()
+}
+
+/// An instance after these hits, which are not folded yet.
+pub fn dented(set: &Arc<ExampleSet>, options: InstanceOptions, hits: &[Hit]) -> Instance {
+    let instance = with(set, options);
+    for hit in hits {
+        instance.submit(hit).unwrap();
+    }
+    instance
+}
+
+pub fn base(set: &ExampleSet, v: usize) -> [f32; 3] {
+    set.mesh().positions()[v].to_array()
+}
+
+pub fn distance(a: [f32; 3], b: [f32; 3]) -> f64 {
+    Vec3::from(a).as_dvec3().distance(Vec3::from(b).as_dvec3())
+}
+
+/// The length that rounding a coordinate of this size to f32 can add.
+pub fn rounding(p: [f32; 3]) -> f64 {
+    f64::from(Vec3::from(p).abs().max_element()) * 1.1e-7
+}
+
+/// Checks what holds for any damage: positions are finite and within the limit, normals have unit length, tangents are orthogonal to
+/// them, and vertices at one position stay at one, bit for bit.
+pub fn check_sound(instance: &mut Instance) -> Result<(), TestCaseError> {
+    let set = instance.example_set().clone();
+    let limit = f64::from(instance.depth_limit());
+    let out = Output::fresh(instance);
+    for v in 0..set.vertex_count() {
+        let (p, b) = (out.positions[v], base(&set, v));
+        prop_assert!(p.iter().all(|x| x.is_finite()), "vertex {v} at {p:?}");
+        let far = distance(p, b);
+        prop_assert!(far <= limit * (1.0 + 1e-6) + rounding(p) + rounding(b), "vertex {v} moved {far}, limit {limit}");
+        if set.mesh().normals().is_some() {
+            let n = Vec3::from_array(out.normals[v]);
+            prop_assert!((n.length() - 1.0).abs() < 1e-5, "normal of vertex {v}: {n}");
+            if let Some(t) = set.mesh().tangents() {
+                let [x, y, z, w] = out.tangents[v];
+                let tangent = Vec3::new(x, y, z);
+                prop_assert!((tangent.length() - 1.0).abs() < 1e-5, "tangent of vertex {v}: {tangent}");
+                prop_assert!(tangent.dot(n).abs() < 1e-5, "tangent {tangent} of vertex {v} is not orthogonal to {n}");
+                prop_assert_eq!(w, t[v].w);
+            }
+        }
+    }
+    let at_rest: Vec<[f32; 3]> = (0..set.vertex_count()).map(|v| base(&set, v)).collect();
+    for group in coincident(&at_rest) {
+        for &v in &group[1..] {
+            let [one, other] = [out.bits(group[0]), out.bits(v)];
+            prop_assert_eq!(&one[..3], &other[..3], "vertices {} and {}", group[0], v);
+            // A UV seam is shaded as one surface.
+            let same = set.mesh().normals().is_none_or(|n| n[v] == n[group[0]]);
+            prop_assert!(!same || one[3..6] == other[3..6], "normals of vertices {} and {v}", group[0]);
+        }
+    }
+    Ok(())
 }
 
 /// What tells marks apart: all but the energy.
