@@ -547,34 +547,6 @@ fn extensions_that_do_not_touch_geometry_are_no_hindrance() {
 }
 
 #[test]
-fn the_solver_bodies() {
-    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/solver");
-    for (body, vertices, triangles) in [("panel", 2173, 4160), ("tube", 2244, 4352)] {
-        let path = folder.join(format!("{body}.glb"));
-        if !path.exists() {
-            eprintln!("skipped: {} is not part of the published crate", path.display());
-            continue;
-        }
-        let imported = gltf_file(&path, MeshChoice::First).unwrap();
-        assert_eq!((imported.name.as_str(), imported.examples.len()), (body, 32));
-        assert_eq!((imported.mesh.positions.len(), imported.mesh.triangles.len()), (vertices, triangles));
-        let (json, _) = import_glb::parts(&std::fs::read(&path).unwrap());
-        let impacts = json["meshes"][0]["extras"]["impacts"].as_array().unwrap();
-        for ((i, example), impact) in imported.examples.iter().enumerate().zip(impacts) {
-            assert_eq!(example.name, format!("train_{i:02}"));
-            let Some(Contact::Point(point)) = example.contact else { panic!("a point") };
-            let contact =
-                imported.mesh.positions.iter().position(|p| *p == point).expect("a vertex at the contact point");
-            let delta = dense(&example.positions, vertices)[contact];
-            for (got, told) in delta.iter().zip(impact["displacement"].as_array().unwrap()) {
-                assert!((f64::from(*got) - told.as_f64().unwrap()).abs() < 1e-6, "{body} {i}");
-            }
-            assert!(example.normals.is_some());
-        }
-    }
-}
-
-#[test]
 fn limits_of_vertices_are_custom_attributes() {
     let mut glb = square();
     let limits = glb.floats("SCALAR", &[0.0, 0.5, f32::MAX, 1.0]);

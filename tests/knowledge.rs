@@ -65,19 +65,22 @@ fn mirror_planes_are_found_where_they_are() {
 #[test]
 fn planes_survive_a_few_strays_but_no_more() {
     // of 625 vertices 6 may lack an image
-    let with = |strays: usize| {
+    let with = |strays: usize, off: f32| {
         let mut mesh = scenes::sheet(24);
         for i in 0..strays {
             // towards +y, off the lines that map onto themselves
-            mesh.positions[30 + 25 * i][1] += 0.013;
+            mesh.positions[30 + 25 * i][1] += off;
         }
         let examples = vec![scenes::bowl(&mesh, 312, 0.1, 0.3)];
         build(mesh, examples, SetOptions::default()).report().mirror_planes.bits()
     };
-    assert_eq!(with(0), 0b011);
+    assert_eq!(with(0, 0.0), 0b011);
     // each stray leaves its image without a partner too
-    assert_eq!(with(3), 0b011);
-    assert_eq!(with(4), 0);
+    assert_eq!(with(3, 0.013), 0b011);
+    assert_eq!(with(4, 0.013), 0);
+    // off by more than a thousandth of the diagonal, or less
+    assert_eq!(with(4, 0.0015), 0);
+    assert_eq!(with(4, 0.0013), 0b011);
 }
 
 /// The index of each vertex's mirror image.
@@ -119,32 +122,6 @@ fn a_hit_at_the_mirrored_place_of_an_example_gives_its_mirrored_field() {
                 assert!(off < followed + 0.04, "{body}, {planes:?}: {off}, at its own place {followed}");
             }
         }
-    }
-}
-
-#[test]
-fn a_hit_and_its_mirror_image_give_mirrored_dents() {
-    for (body, planes) in [("panel", 1), ("panel", 2), ("tube", 1), ("tube", 4), ("tube", 7)] {
-        let planes = Mirror::from_bits(planes);
-        let set = with_options(body, 12, SetOptions::default());
-        let (image, flip) = (images(&set, planes), mirrored(planes));
-        let mut dice = Dice::new(5);
-        let mut worst = 0.0f64;
-        for _ in 0..40 {
-            let vertex = dice.index(set.vertex_count());
-            let n = set.mesh().contact_normal(vertex as u32).unwrap();
-            let target = (Vec3::from_array(dice.vector(0.1)) - n) * set.depth_limit() * dice.between(0.2, 0.9);
-            let options = InstanceOptions::default();
-            let (a, first) = dent(&set, options, &push(positions(&set)[vertex].to_array(), target.to_array()));
-            let there = positions(&set)[image[vertex]].to_array();
-            let (b, second) = dent(&set, options, &push(there, (target * flip).to_array()));
-            assert_eq!(first.status, second.status);
-            let mut ought = vec![Vec3::ZERO; a.len()];
-            image.iter().zip(&a).for_each(|(to, d)| ought[*to] = *d * flip);
-            worst = worst.max(relative_l2(&b, &ought));
-        }
-        // The nodes are not mirrored.
-        assert!(worst < 0.12, "{body}, {planes:?}: {worst}");
     }
 }
 
@@ -231,6 +208,8 @@ fn a_rim_is_held_where_examples_show_it() {
     // where nothing comes near the rim, it is unknown whether it is held
     assert_eq!(held(dented(0.3, |_| 0.0)), 0);
     assert_eq!(held(dented(0.3, |p| if p.x > 0.4 && p.x < 0.49 && p.y == 0.0 { 0.2 } else { 0.0 })), 80);
+    // so is it where only the third row moves, which is further from it than 3 % of the diagonal
+    assert_eq!(held(dented(0.3, |p| if p.x > 0.35 && p.x < 0.44 && p.y == 0.0 { 0.2 } else { 0.0 })), 0);
     // a closed body has no rim
     assert_eq!(held(scenes::ball_set()), 0);
     assert_eq!(held(scenes::cube_set()), 0);

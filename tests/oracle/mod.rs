@@ -2,7 +2,6 @@
 //! the code. It takes only data from the library: stored displacements, what one hit alone leaves, and documented constants.
 #![allow(dead_code)]
 
-pub mod body;
 pub mod classic;
 pub mod damage;
 pub mod marks;
@@ -22,14 +21,8 @@ pub struct Example {
 #[derive(Debug, Clone)]
 pub struct Model {
     pub positions: Vec<DVec3>,
-    /// The mirror planes that exist: bit 0 for x, 1 for y, 2 for z.
-    pub planes: u8,
-    /// Vertices on held rims (every copy at a seam).
-    pub held: Vec<usize>,
     pub depth_limit: f64,
     pub examples: Vec<Example>,
-    /// Whether rounding decides whether a rim is held.
-    pub close: bool,
 }
 
 impl Model {
@@ -42,14 +35,6 @@ impl Model {
             .iter()
             .map(|e| Example { contact_vertex: e.contact_vertex() as usize, deltas: deltas(e) })
             .collect();
-        let mut close = false;
-        let fields: Vec<&[DVec3]> = examples.iter().map(|e| e.deltas.as_slice()).collect();
-        let held = if set.options().held_rims {
-            body::held_vertices(&positions, mesh.triangles(), &fields, &mut close)
-        } else {
-            Vec::new()
-        };
-        let planes = if set.options().mirror { body::mirror_planes(&positions) } else { 0 };
-        Self { positions, planes, held, depth_limit: f64::from(set.depth_limit()), examples, close }
+        Self { positions, depth_limit: f64::from(set.depth_limit()), examples }
     }
 }
