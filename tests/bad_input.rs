@@ -201,17 +201,6 @@ fn quick_a_body_too_small_for_f32_squares_is_built() {
     assert_eq!(again.fingerprint(), set.fingerprint());
 }
 
-#[test]
-fn quick_one_vertex_is_a_mesh() {
-    let mesh = MeshData { positions: vec![[0.0; 3]], ..MeshData::default() };
-    let set = Arc::new(build(mesh, vec![ExampleData::new("", Deltas::Full(vec![[0.0, 0.0, -0.1]]))]).unwrap());
-    let mut instance = new(&set);
-    assert_eq!(instance.submit(&push([0.0, 0.0, 0.05], [0.0, 0.0, -0.1])).unwrap().status, HitStatus::Marked);
-    assert_eq!(instance.displaced(0).unwrap(), Vec3::ZERO, "not folded yet");
-    instance.fold();
-    assert!(instance.displaced(0).unwrap().distance(Vec3::new(0.0, 0.0, -0.1)) < 1e-5);
-}
-
 // --------------------------------------------------------------------------------------------------------------- examples
 
 #[test]

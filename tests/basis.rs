@@ -251,7 +251,8 @@ fn bodies_of_any_kind_learn_a_basis() {
         let report = copy.basis_report().unwrap();
         assert!(report.worst.is_finite() && report.nodes >= 1, "{name}: {report:?}");
         let mut body = new(&copy);
-        body.submit(&Hit::displacement(copy.mesh().positions()[0].to_array(), [0.0, 0.0, -0.1])).unwrap();
+        let hit = Hit::displacement(copy.mesh().positions()[0].to_array(), [0.0, 0.0, -0.1]);
+        assert_eq!(body.submit(&hit).unwrap().status, crumple::HitStatus::Marked, "{name}");
         let out = Output::fresh(&mut body);
         assert!(out.positions.iter().flatten().all(|x| x.is_finite()), "{name}");
         assert_eq!(

@@ -1,4 +1,4 @@
-//! Depth limits and stiffness of single vertices.
+//! Depth limits and stiffness of single vertices. `widths.rs` has SIMD levels, `format.rs` files with limits, and `oracle_rules.rs` seams.
 
 mod scenes;
 
@@ -156,47 +156,6 @@ fn normals_of_vertices_that_cannot_move_stay() {
         }
         assert!(turned_at_rest > 10, "{turned_at_rest}");
     }
-}
-
-#[test]
-fn files_seams_levels_and_simd_keep_the_bits() {
-    let mut mesh = kept_out();
-    let n = mesh.positions.len();
-    // A copy of every vertex, with weaker values, which those of the first must overrule.
-    mesh.positions.extend_from_within(..);
-    mesh.normals = None;
-    let mut limits = mesh.depth_limits.take().unwrap();
-    limits.extend(vec![f32::INFINITY; n]);
-    mesh.depth_limits = Some(limits);
-    mesh.stiffness = Some((0..2 * n).map(|v| if v < n { 0.0 } else { 0.3 * mesh.positions[v][0] }).collect());
-    let mut set = ExampleSet::build(mesh.clone(), examples(&mesh), SetOptions::default(), &Serial).unwrap();
-    let lod = MeshData { depth_limits: None, stiffness: None, ..mesh.clone() };
-    set.add_lod(lod, &Serial).unwrap();
-    let bytes = set.save().unwrap();
-    let loaded = ExampleSet::load(bytes.clone(), &Serial).unwrap();
-    assert_eq!(loaded.save().unwrap(), bytes);
-    let mut all: Vec<Vec<u32>> = Vec::new();
-    for set in [std::sync::Arc::new(set), std::sync::Arc::new(loaded)] {
-        for level in SimdLevel::available() {
-            level.force().unwrap();
-            for lod in 0..2 {
-                let body = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
-                let mut dice = Dice::new(3);
-                for _ in 0..50 {
-                    body.submit(&random_hit(&mut dice)).unwrap();
-                }
-                let mut positions = vec![[0.0; 3]; 2 * n];
-                let memory = VertexMemory::separate(&mut positions, None, None).unwrap();
-                let (mut tracker, mut bodies) = (Tracker::new(), [body]);
-                let [body] = &mut bodies;
-                deform(&mut [DeformJob { instance: body, lod, tracker: &mut tracker, memory }], &Serial).unwrap();
-                assert_eq!(positions[..n], positions[n..]);
-                all.push(positions.as_flattened().iter().map(|x| x.to_bits()).collect());
-            }
-        }
-        SimdLevel::best().force().unwrap();
-    }
-    assert!(all.iter().all(|bits| *bits == all[0]));
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Octahedral normals and tangents: the bits that Godot writes, and the vectors that they stand for.
 
+use crumple::glam::{DVec3, Vec3};
 use crumple::{
     Attribute, Deltas, Encoding, ExampleData, MeshData, Serial, SetOptions, SimdLevel, ThreadPool, Tracker,
     VertexMemory,
@@ -39,20 +40,16 @@ fn tangent_of_godot(t: [f32; 4]) -> [u16; 2] {
 }
 
 /// The unit vector that two numbers stand for, by folding the square to an octahedron.
-fn decoded([x, y]: [f64; 2]) -> [f64; 3] {
+fn decoded([x, y]: [f64; 2]) -> DVec3 {
     let (x, y) = (x * 2.0 - 1.0, y * 2.0 - 1.0);
     let z = 1.0 - x.abs() - y.abs();
     let folded = (-z).max(0.0);
-    let v = [x - folded.copysign(x), y - folded.copysign(y), z];
-    let length = v.iter().map(|c| c * c).sum::<f64>().sqrt();
-    v.map(|c| c / length)
+    DVec3::new(x - folded.copysign(x), y - folded.copysign(y), z).normalize()
 }
 
-fn degrees(a: [f64; 3], b: &[f32]) -> f64 {
-    let b = [f64::from(b[0]), f64::from(b[1]), f64::from(b[2])];
-    let cross = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-    let dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    cross.iter().map(|c| c * c).sum::<f64>().sqrt().atan2(dot).to_degrees()
+fn degrees(a: DVec3, b: &[f32]) -> f64 {
+    let b = Vec3::from_slice(b).as_dvec3();
+    a.cross(b).length().atan2(a.dot(b)).to_degrees()
 }
 
 /// Checks packed vectors against floats, and returns the largest angle of the normals and of the tangents.
@@ -75,21 +72,11 @@ fn check(normals: &[[f32; 3]], packed: &[[u16; 2]], tangents: &[[f32; 4]], packe
 /// Directions all over the sphere, the edges of the octahedron among them.
 fn directions(count: usize) -> Vec<[f32; 3]> {
     let mut dice = Dice::new(7);
-    let mut all = Vec::new();
-    for x in [-1.0, -0.0, 0.0, 1.0f32] {
-        for y in [-1.0, -0.0, 0.0, 1.0f32] {
-            all.extend([-1.0, -0.0, 0.0, 1.0f32].map(|z| [x, y, z]));
-        }
-    }
-    while all.len() < count {
-        all.push([0, 1, 2].map(|_| dice.between(-1.0, 1.0)));
-    }
-    all.retain(|v| v.iter().any(|c| *c != 0.0));
-    let unit = |v: [f32; 3]| {
-        let length = v.iter().map(|c| c * c).sum::<f32>().sqrt();
-        v.map(|c| c / length)
-    };
-    all.into_iter().map(unit).collect()
+    let edges = (0..64).map(|i| [i, i / 4, i / 16].map(|k| [-1.0, -0.0, 0.0, 1.0][k % 4]));
+    let edges: Vec<[f32; 3]> = edges.collect();
+    let random = (edges.len()..count).map(|_| dice.vector(1.0));
+    let directions = edges.into_iter().chain(random).map(Vec3::from).filter_map(Vec3::try_normalize);
+    directions.map(|v| v.to_array()).collect()
 }
 
 #[test]

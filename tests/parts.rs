@@ -4,12 +4,9 @@
 mod scenes;
 
 use crumple::glam::Vec3;
-use crumple::{
-    DeformJob, Error, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, MeshData, Rule, Serial, SetOptions,
-    Tracker, VertexMemory, deform,
-};
+use crumple::{Error, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, MeshData, Rule, Serial, SetOptions};
 use proptest::prelude::*;
-use scenes::{Dice, bowls, push, random_hit};
+use scenes::{Dice, Level, bowls, push, random_hit};
 use std::num::NonZeroU64;
 use std::sync::{Arc, OnceLock};
 
@@ -65,11 +62,7 @@ fn new() -> Instance {
 }
 
 fn vertices(body: &mut Instance, lod: usize) -> Vec<[f32; 3]> {
-    body.fold();
-    let mut positions = vec![[0.0; 3]; body.example_set().lod_mesh(lod).unwrap().positions().len()];
-    let memory = VertexMemory::separate(&mut positions, None, None).unwrap();
-    deform(&mut [DeformJob { lod, instance: body, tracker: &mut Tracker::new(), memory }], &Serial).unwrap();
-    positions
+    Level::of(body, lod).positions
 }
 
 /// The vertices of a part as the base mesh has them.
