@@ -1,7 +1,7 @@
 //! The `crumple` command with valid input.
 
 use crate::{Folder, PANEL, asset, crumple, has, names};
-use crumple::glam::{Mat4, Vec3};
+use crumple::glam::Vec3;
 use crumple::import::{Imported, MeshChoice, gltf_file};
 use std::path::Path;
 
@@ -78,28 +78,6 @@ fn info_tells_what_a_file_holds() {
 }
 
 #[test]
-fn join_makes_a_body_of_a_files_nodes() {
-    let folder = Folder::empty();
-    let (file, baked, out) = ("tests/fixtures/nodes.glb", folder.at("nodes.crumple"), folder.at("dented.glb"));
-    let report = crumple(&["info", file, "--join"]).report();
-    has(&report, &["part 1    Wheel: ", "part 2    Door: ", "part 3    Panel: ", "part 4    Door again: "]);
-    has(&crumple(&["bake", file, "--join", "--reorder", "-o", &baked]).report(), &["part 4    Door again: "]);
-    has(&crumple(&["info", &baked]).report(), &["level 4   ", "at most 0.0 mm off the base surface"]);
-    crumple(&["bake", file, "--join", "--one-mesh", "-o", &baked]).report();
-    let report = crumple(&["info", &baked]).report();
-    assert!(!report.contains("level 1"), "{report}");
-    let joined = gltf_file(&asset(file), MeshChoice::Nodes(&Default::default())).expect("a body");
-    let crumple::Deltas::Sparse { indices, .. } = &joined.examples[0].positions else { panic!("sparse") };
-    let [x, y, z] = joined.mesh.positions[indices[0] as usize];
-    let json = format!(r#"[{{"point": [{x}, {y}, {z}], "displacement": [0, 0, -0.01]}}]"#);
-    crumple(&["apply", file, "--join", "--impacts", &folder.write("i.json", json), "-o", &out]).report();
-    let dented = gltf::Gltf::open(&out).expect("a GLB");
-    let positions = |p: gltf::Primitive| p.get(&gltf::Semantic::Positions).map_or(0, |accessor| accessor.count());
-    let count: usize = dented.meshes().flat_map(|mesh| mesh.primitives()).map(positions).sum();
-    assert_eq!(count, joined.mesh.positions.len());
-}
-
-#[test]
 fn info_warns_of_a_level_of_detail_far_off_the_body() {
     let Imported { mesh, examples, .. } = import(PANEL);
     let mut set = crumple::ExampleSet::build(mesh.clone(), examples, Default::default(), &crumple::Serial).unwrap();
@@ -127,15 +105,8 @@ fn apply_dents_the_body_where_it_was_hit() {
     assert_eq!(gltf::Gltf::open(&out).expect("a GLB").materials().next().and_then(|m| m.name()), Some("metal"));
     let moved = displacements(&before, &after);
     let (vertex, depth) = deepest(&moved);
-    assert!(
-        Vec3::from(before.mesh.positions[vertex]).distance(point) < 0.06,
-        "vertex {vertex} at {}",
-        Vec3::from(before.mesh.positions[vertex]).distance(point)
-    );
-    // the contact moves as asked; the dent may be a little deeper beside it
-    let distance = |v: &usize| Vec3::from(before.mesh.positions[*v]).distance(point);
-    let contact = (0..moved.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("a vertex");
-    assert!((moved[contact] - 0.025).abs() < 0.001 && depth < 1.3 * moved[contact], "{} {depth}", moved[contact]);
+    let away = Vec3::from(before.mesh.positions[vertex]).distance(point);
+    assert!(away < 0.06 && (0.024..0.033).contains(&depth), "{depth} m, {away} m from the hit");
     has(&report, &[&format!("{:.1} mm", depth * 1e3)]);
 
     assert_eq!(folder.names(), ["a", "i.json", "out.glb"], "nothing temporary stays");
@@ -150,27 +121,6 @@ fn apply_dents_the_body_where_it_was_hit() {
     let maximum = pictures[2].1.strip_prefix("displacement, 0 to ").and_then(|t| t.strip_suffix(" mm"));
     let maximum: f32 = maximum.expect("the legend's range").parse().expect("a number");
     assert!((maximum - depth * 1e3).abs() <= 1e-4 * maximum, "{maximum} {depth}");
-}
-
-#[test]
-fn apply_takes_impulses_and_world_space() {
-    let folder = Folder::empty();
-    let file = "tests/fixtures/nodes.glb";
-    let source = import(file);
-    let to_world = Mat4::from_cols_array_2d(&source.node_transform.expect("a node"));
-    let contact = Vec3::from(source.mesh.positions[0]);
-    let push = Vec3::new(0.01, -0.03, 0.02);
-    let run = |point: Vec3, key: &str, vector: Vec3, more: &str| {
-        let list = |v: Vec3| format!("[{}, {}, {}]", v.x, v.y, v.z);
-        let json = format!(r#"[{{"point": {}, "{key}": {}{more}}}]"#, list(point), list(vector));
-        let report = apply(&folder, &[file], &json, &[]);
-        let row = report.lines().nth(1).expect("a row").to_owned();
-        row.split_whitespace().skip(1).take(5).map(str::to_owned).collect::<Vec<_>>()
-    };
-    let local = run(contact, "displacement", push, "");
-    let (point, shift) = (to_world.transform_point3(contact), to_world.transform_vector3(push));
-    assert_eq!(local, run(point, "displacement", shift, r#", "space": "world""#));
-    assert_eq!(local, run(contact, "impulse", push * 4.0, r#", "duration": 0.5, "mass": 2"#));
 }
 
 #[test]
@@ -267,46 +217,4 @@ fn bake_writes_a_set_that_the_other_commands_take() {
     crumple(&["sample", &baked, "-o", &list, "--count", "3"]).report();
     apply(&folder, &[&baked], &std::fs::read_to_string(list).expect("readable"), &[]);
     assert_eq!(dented(&folder.at("out.glb")).len(), 2173);
-}
-
-#[test]
-fn bake_keeps_dents_out_of_solids() {
-    let folder = Folder::empty();
-    let (low, high) = (Vec3::new(-0.2, -0.3, -1.0), Vec3::new(0.5, 0.2, 0.08));
-    let corner = |k: usize| Vec3::from([0, 1, 2].map(|axis| if k >> axis & 1 == 1 { high[axis] } else { low[axis] }));
-    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-    let indices = quads.into_iter().flat_map(|[a, b, c, d]| [a, b, c, a, c, d]).flat_map(u16::to_le_bytes);
-    let corners = (0..8).flat_map(|k| corner(k).to_array()).flat_map(f32::to_le_bytes);
-    folder.write("cage.bin", corners.chain(indices).collect::<Vec<u8>>());
-    let cage = serde_json::json!({
-        "asset": {"version": "2.0"},
-        "buffers": [{"uri": "cage.bin", "byteLength": 168}],
-        "bufferViews": [{"buffer": 0, "byteLength": 96}, {"buffer": 0, "byteOffset": 96, "byteLength": 72}],
-        "accessors": [
-            {"bufferView": 0, "componentType": 5126, "count": 8, "type": "VEC3",
-                "min": low.to_array(), "max": high.to_array()},
-            {"bufferView": 1, "componentType": 5123, "count": 36, "type": "SCALAR"}
-        ],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}]
-    });
-    let cage = folder.write("cage.gltf", cage.to_string());
-    let (free, kept) = (folder.at("free.crumple"), folder.at("kept.crumple"));
-    crumple(&["bake", PANEL, "-o", &free]).report();
-    let report = crumple(&["bake", PANEL, "-o", &kept, "--keep-out", &cage]).report();
-
-    let inside = |p: &[f32; 3]| Vec3::from(*p).cmpge(low).all() && Vec3::from(*p).cmple(high).all();
-    let source = import(PANEL);
-    let n = source.mesh.positions.iter().filter(|p| inside(p)).count();
-    assert!(n > 0 && n < 2173);
-    has(&report, &[&format!("cage.gltf: keeps 2173 vertices out of 1 solid; {n} begin inside and do not move")]);
-    let limits = format!("limits    2173 vertices with a depth limit, 0 with a stiffness; {n} cannot move");
-    has(&crumple(&["info", &kept]).report(), &[&limits]);
-    assert!(!crumple(&["info", &free]).report().contains("limits"));
-
-    let entered = |baked: &str| {
-        apply(&folder, &[baked], r#"[{"point": [0, 0, 0.09], "displacement": [0, 0, -0.03]}]"#, &[]);
-        dented(&folder.at("out.glb")).iter().filter(|p| inside(p)).count()
-    };
-    assert!(entered(&free) > n);
-    assert_eq!(entered(&kept), n);
 }
