@@ -77,6 +77,16 @@ fn after(set: &Arc<ExampleSet>, options: ContactOptions, steps: &[Points<'_>]) -
     depth(&mut body)
 }
 
+/// A body and its layer after steps of one point in its middle, each with a speed and an impulse.
+fn struck(set: &Arc<ExampleSet>, seconds: f32, steps: &[(f32, Option<f32>)]) -> (Instance, ContactLayer) {
+    let (body, contacts) = (new(set), default());
+    for (speed, impulse) in steps {
+        contacts.report(&[point(&body, [0.0; 2], *speed, *impulse)]).unwrap();
+        contacts.step(seconds).unwrap();
+    }
+    (body, contacts)
+}
+
 /// The dent of one whole blow, told without the layer.
 fn told(set: &Arc<ExampleSet>, speed: f32, mass: f32) -> f32 {
     let mut body = new(set);
@@ -162,23 +172,16 @@ fn quick_the_steps_of_a_touch_are_one_dent() {
     let set = set(1.0);
     let expected = told(&set, 5.0, MASS);
     for parts in [1usize, 2, 4, 8, 20] {
-        let (mut body, contacts) = (new(&set), default());
-        for i in 0..parts {
-            let slower = 5.0 * (1.0 - i as f32 / parts as f32);
-            contacts.report(&[point(&body, [0.0; 2], slower, Some(40.0 / parts as f32))]).unwrap();
-            contacts.step(0.08 / parts as f32).unwrap();
-        }
+        let slower = |i: usize| (5.0 * (1.0 - i as f32 / parts as f32), Some(40.0 / parts as f32));
+        let steps: Vec<_> = (0..parts).map(slower).collect();
+        let (mut body, contacts) = struck(&set, 0.08 / parts as f32, &steps);
         assert_eq!(body.marks().unwrap().len(), 1, "{parts} parts");
         let got = depth(&mut body);
         assert!(same(got, expected, 0.05), "{parts} parts: {got} instead of {expected}");
         assert_eq!(contacts.totals().begun, 1);
     }
     // The guess that the bodies stop each other counts once.
-    let (mut body, contacts) = (new(&set), default());
-    for speed in [5.0, 4.0, 2.0, 1.0] {
-        contacts.report(&[point(&body, [0.0; 2], speed, None)]).unwrap();
-        contacts.step(STEP).unwrap();
-    }
+    let (mut body, _) = struck(&set, STEP, &[5.0, 4.0, 2.0, 1.0].map(|speed| (speed, None)));
     assert!(same(depth(&mut body), expected, 1e-3));
     // Known velocities after the step add up to the same.
     let (mut body, contacts) = (new(&set), default());
@@ -211,12 +214,7 @@ fn quick_a_touch_ends_by_separation_or_by_time() {
     assert!((8..=10).contains(&begun), "{begun} in a second");
     assert!(reports.iter().all(|r| r.open <= 1));
     // A much faster blow at the same place is another.
-    let body = new(&set);
-    let contacts = default();
-    for speed in [1.0, 6.0] {
-        contacts.report(&[point(&body, [0.0; 2], speed, Some(10.0))]).unwrap();
-        contacts.step(STEP).unwrap();
-    }
+    let (_body, contacts) = struck(&set, STEP, &[(1.0, Some(10.0)), (6.0, Some(10.0))]);
     assert_eq!(contacts.totals().begun, 2);
 }
 
@@ -315,22 +313,14 @@ fn quick_the_steps_of_a_touch_bring_no_more_than_the_approach() {
 fn quick_the_rest_of_a_blow_counts_however_slow_it_is() {
     let set = set(1.0);
     for hz in [30.0, 60.0, 240.0] {
-        let run = |steps: &[(f32, f32)], weight: f32| {
-            let (mut body, contacts) = (new(&set), default());
-            let rest = MASS * weight / hz;
-            for (speed, impulse) in
-                steps.iter().copied().chain([(weight / hz, rest); 60].into_iter().filter(|_| rest > 0.0))
-            {
-                contacts.report(&[point(&body, [0.0; 2], speed, Some(impulse))]).unwrap();
-                contacts.step(1.0 / hz).unwrap();
-            }
-            depth(&mut body)
-        };
+        let run = |steps: &[(f32, Option<f32>)]| depth(&mut struck(&set, 1.0 / hz, steps).0);
         let expected = told(&set, 2.0, MASS);
-        let got = run(&[(2.0, 1.5 * MASS), (0.5, 0.5 * MASS)], 0.0);
+        let got = run(&[(2.0, Some(1.5 * MASS)), (0.5, Some(0.5 * MASS))]);
         assert!(same(got, expected, 1e-3), "{hz} Hz: {got} m instead of {expected} m");
         // The weight of a body that lies there adds nothing to what stopped it.
-        let rests = run(&[(2.0, 2.0 * MASS)], 9.81);
+        let mut steps = vec![(9.81 / hz, Some(MASS * 9.81 / hz)); 61];
+        steps[0] = (2.0, Some(2.0 * MASS));
+        let rests = run(&steps);
         assert!(same(rests, expected, 1e-3), "{hz} Hz: {rests} m instead of {expected} m");
     }
 }
@@ -339,11 +329,7 @@ fn quick_the_rest_of_a_blow_counts_however_slow_it_is() {
 fn quick_what_is_slow_or_weak_or_separates_leaves_nothing() {
     let set = set(1.0);
     let count = |speed: f32, impulse: f32| {
-        let (mut body, contacts) = (new(&set), default());
-        for _ in 0..600 {
-            contacts.report(&[point(&body, [0.0; 2], speed, Some(impulse))]).unwrap();
-            contacts.step(STEP).unwrap();
-        }
+        let (mut body, contacts) = struck(&set, STEP, &[(speed, Some(impulse)); 600]);
         assert!(body.marks().unwrap().is_empty(), "{speed} m/s, {impulse} N s");
         contacts.totals()
     };

@@ -179,10 +179,11 @@ fn images_are_embedded() {
         assert_eq!(exported.notes, [""; 0]);
         exported.glb
     };
-    for uri in ["/etc/a.png", ""] {
+    let outside = "is not in the file's folder or below";
+    for (uri, why) in [("/etc/a.png", outside), ("", outside), ("../a.png", outside), ("b.png", "cannot be read")] {
         let exported = noted(uri);
         assert_eq!(parts(&exported.glb).0["images"][0], json!({ "uri": uri, "extras": 7 }));
-        assert!(exported.notes[0].contains("is not in the file's folder or below"), "{:?}", exported.notes);
+        assert!(exported.notes[0].starts_with(&format!("image 0, '{uri}', {why}")), "{:?}", exported.notes);
     }
     let jpeg = parts(&with("a%20b.jpg")).0["images"][0].clone();
     assert_eq!((&jpeg["mimeType"], &jpeg["name"], &jpeg["extras"]), (&json!("image/jpeg"), &json!("a b"), &json!(7)));
