@@ -1,16 +1,13 @@
 //! The paper's equations 4.4-4.7 and figures 4.2 and 4.3, in cases small enough to work by hand.
 
-mod oracle;
 mod scenes;
 
 use std::sync::Arc;
 
-use crumple::glam::DVec3;
 use crumple::{
     Blow, Cause, Deltas, ExampleData, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, MeshData, Outcome, Rule,
     Selection, SetOptions, Space, VertexMass,
 };
-use oracle::classic;
 use scenes::{build, positions, push};
 
 /// A row of four vertices, 1 m apart, in two triangles.
@@ -73,8 +70,6 @@ fn quick_equation_4_4_impulse_times_duration_over_mass() {
     let cause = Cause::Impulse { blow: Blow::of_impulse([0.0, 0.0, -10.0], 0.02), mass: Some(0.5) };
     let outcome = instance.preview(&Hit { point: [0.0; 3], cause, space: Space::Local, contact: None }).unwrap();
     assert_near(outcome.target, [0.0, 0.0, -0.4]);
-    let oracle = classic::target_displacement(-10.0 * DVec3::Z, 0.02, 0.5);
-    assert!((oracle.z + 0.4).abs() < 1e-15);
 }
 
 #[test]
@@ -95,15 +90,8 @@ fn quick_the_mass_is_the_hits_own_else_the_vertex_s() {
 }
 
 #[test]
-fn quick_equation_4_5_cosine() {
-    assert_eq!(classic::cosine(DVec3::X, 2.0 * DVec3::Y), 0.0);
-    assert!((classic::cosine(DVec3::new(1.0, 1.0, 0.0), 3.0 * DVec3::X) - 0.5f64.sqrt()).abs() < 1e-15);
-}
-
-#[test]
 fn quick_equation_4_7_the_papers_own_numbers() {
     // "If we need a displacement that is 0.8 meters but in example that vertex is displaced 2.0 meters ... 0.4"
-    assert!((classic::blend_weight(-0.8 * DVec3::Z, -2.0 * DVec3::Z) - 0.4).abs() < 1e-15);
     let mut instance = classic_instance(&set(), Rule::MostDisplaced, Selection::Classic);
     let outcome = instance.submit(&hit([0.0, 0.0, -0.8])).unwrap();
     let (chosen, w) = weight(&outcome);

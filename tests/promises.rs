@@ -630,24 +630,6 @@ fn quick_an_output_that_is_up_to_date_is_not_touched() {
 }
 
 #[test]
-fn quick_a_mark_that_is_merged_away_is_rewritten() {
-    // the weak dent is at one end of a body of many blocks, and those that displace it at the other
-    let mesh = scenes::sheet(40);
-    let set = scenes::build(mesh.clone(), scenes::bowls(&mesh, 2, 0.06, 1), SetOptions::default());
-    let mut instance = with(&set, InstanceOptions { capacity: 2, ..InstanceOptions::default() });
-    let mut out = Output::new(&set);
-    let depth = set.depth_limit();
-    for (x, share) in [(-0.4, 0.2), (0.2, 0.8), (0.4, 0.9)] {
-        instance.submit(&push([x, 0.0, 0.0], [0.0, 0.0, -share * depth])).unwrap();
-        check_changes(&mut instance, &mut out).unwrap();
-        check_bounds(&out).unwrap();
-    }
-    assert_eq!(instance.marks().unwrap().len(), 2);
-    let left = out.positions.iter().filter(|p| p[0] < -0.2);
-    assert!(left.into_iter().all(|p| p[2] == 0.0), "the weak dent is gone");
-}
-
-#[test]
 fn quick_an_output_may_change_hands() {
     let set = scenes::cube_set();
     let (mut a, mut b) = (new(&set), new(&set));

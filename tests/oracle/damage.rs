@@ -4,8 +4,8 @@
 use std::collections::BTreeMap;
 
 use crumple::Mark;
+use crumple::glam::Vec3;
 
-use super::Model;
 use super::marks::POWER;
 
 /// Contact, depth (its bits) and the numbers of the hit. Marks with the same key are one. Marks are kept in this order.
@@ -28,19 +28,19 @@ fn depth(key: &Key) -> f64 {
 
 impl Ledger {
     /// Adds the marks of one frame, one after another in canonical order.
-    pub fn frame(&mut self, model: &Model, marks: &[Mark], capacity: usize) {
+    pub fn frame(&mut self, positions: &[Vec3], marks: &[Mark], capacity: usize) {
         let mut marks = marks.to_vec();
         marks.sort_by_key(|m| (key(m), m.energy));
         for mark in marks {
             let energy = self.energies.entry(key(&mark)).or_insert(0);
             *energy = energy.saturating_add(mark.energy);
             if self.energies.len() > capacity {
-                self.merge_weakest(model);
+                self.merge_weakest(positions);
             }
         }
     }
 
-    fn merge_weakest(&mut self, model: &Model) {
+    fn merge_weakest(&mut self, positions: &[Vec3]) {
         // f32, as documented for the size of a mark: the choice must not depend on the oracle's extra digits
         let size = |(k, e): (&Key, &u64)| {
             let energy = *e as f64 / 2f64.powi(32);
@@ -50,7 +50,7 @@ impl Ledger {
         let weakest = *self.energies.iter().min_by(|a, b| size(*a).total_cmp(&size(*b))).unwrap().0;
         let energy = self.energies.remove(&weakest).unwrap();
         // squared and in f32 as well, so that equally near contacts tie as they do in the library
-        let at = |k: &Key| model.positions[k.0 as usize].as_vec3();
+        let at = |k: &Key| positions[k.0 as usize];
         let distance = |k: &Key| at(k).distance_squared(at(&weakest));
         let Some(heir) = self.energies.keys().min_by(|a, b| distance(a).total_cmp(&distance(b))).copied() else {
             return;
