@@ -1,24 +1,19 @@
 //! A base OBJ with example OBJs: Blender's files, other programs' files, and broken files.
 #![cfg(feature = "obj")]
 
-use crumple::import::{Imported, obj_files, obj_glb, obj_slices};
-use crumple::{Deltas, Error, ErrorKind};
-use proptest::prelude::*;
-use std::path::{Path, PathBuf};
+mod import_glb;
 
-fn fixture(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures").join(name)
-}
+use crumple::import::{Imported, obj_files, obj_glb, obj_slices};
+use crumple::{Error, ErrorKind};
+use import_glb::fixture;
+use proptest::prelude::*;
 
 fn read(base: &str, example: &str) -> Result<Imported, Error> {
     obj_slices(("base", base.as_bytes()), &[("dent", example.as_bytes())])
 }
 
 fn sparse(imported: &Imported) -> (&[u32], &[[f32; 3]]) {
-    match &imported.examples[0].positions {
-        Deltas::Sparse { indices, values } => (indices, values),
-        Deltas::Full(_) => panic!("the importer writes sparse deltas"),
-    }
+    import_glb::sparse(&imported.examples[0].positions)
 }
 
 /// The texture coordinates of the first primitive.

@@ -3,8 +3,7 @@
 
 mod scenes;
 
-use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, LazyLock};
 
 use crumple::glam::Vec3;
 use crumple::{
@@ -33,14 +32,14 @@ impl Soft {
         (0..count).map(|_| scenes::struck(&self.mesh, self.place(&mut dice), dice.between(20.0, 400.0))).collect()
     }
 
-    /// Learning takes a second, so each set is learned once.
+    /// A set of this many examples.
     fn set(&self, count: usize) -> Arc<ExampleSet> {
-        static SETS: Mutex<BTreeMap<usize, Arc<ExampleSet>>> = Mutex::new(BTreeMap::new());
-        let mut sets = SETS.lock().unwrap_or_else(|e| e.into_inner());
-        let make = || learned(&self.mesh, self.examples(count, 5), SetOptions::default());
-        sets.entry(count).or_insert_with(make).clone()
+        learned(&self.mesh, self.examples(count, 5), SetOptions::default())
     }
 }
+
+/// Learning takes a second.
+static TWENTY: LazyLock<Arc<ExampleSet>> = LazyLock::new(|| Soft::new().set(20));
 
 /// A set with as many nodes as a hundredth of the depth limit needs.
 fn learned(mesh: &MeshData, examples: Vec<ExampleData>, options: SetOptions) -> Arc<ExampleSet> {
@@ -73,7 +72,7 @@ fn an_example_s_own_blow_gives_the_example() {
     let mut leaning = soft.examples(8, 5);
     leaning.iter_mut().for_each(|e| e.contact_normal = Some([0.0, 0.6, 0.8]));
     let leaning = learned(&soft.mesh, leaning, SetOptions::default());
-    let sets = [soft.set(20), leaning];
+    let sets = [TWENTY.clone(), leaning];
     for (set, e) in sets.iter().flat_map(|set| set.examples().iter().map(move |e| (set, e))) {
         let told = [
             Hit::blow(e.contact_point().to_array(), *e.blow()),
@@ -125,7 +124,7 @@ fn expected_errors_tell_where_examples_contradict_each_other() {
 #[test]
 fn marks_hold_the_hit_and_survive_saving_and_another_set() {
     let soft = Soft::new();
-    let set = soft.set(20);
+    let set = TWENTY.clone();
     let mut body = new(&set);
     let mut dice = Dice::new(3);
     for _ in 0..10 {

@@ -4,7 +4,7 @@ mod scenes;
 
 use crumple::glam::Vec3;
 use crumple::*;
-use scenes::{Dice, cube};
+use scenes::{Dice, Output, cube, new, with};
 
 /// A sheet of `n` by `n` vertices on 1 m² from the origin on, facing +z.
 fn sheet(n: usize) -> MeshData {
@@ -28,16 +28,9 @@ fn body(mesh: MeshData) -> std::sync::Arc<ExampleSet> {
     std::sync::Arc::new(set.unwrap())
 }
 
-fn shown(body: &mut Instance) -> Vec<Vec3> {
-    shown_with_normals(body).0
-}
-
-fn shown_with_normals(body: &mut Instance) -> (Vec<Vec3>, Vec<Vec3>) {
-    let n = body.example_set().vertex_count();
-    let (mut positions, mut normals) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
-    let memory = VertexMemory::separate(&mut positions, Some(&mut normals), None).unwrap();
-    body.deform(&mut Tracker::new(), memory, &Serial).unwrap();
-    assert!(normals.iter().all(|n| (Vec3::from(*n).length() - 1.0).abs() < 1e-5));
+/// Positions and normals.
+fn shown(body: &mut Instance) -> (Vec<Vec3>, Vec<Vec3>) {
+    let Output { positions, normals, .. } = Output::fresh(body);
     (positions.into_iter().map(Vec3::from).collect(), normals.into_iter().map(Vec3::from).collect())
 }
 
@@ -73,17 +66,16 @@ fn no_vertex_enters_a_solid() {
             Rule::Marks => InstanceOptions { depth_limit: Some(1.0), ..InstanceOptions::default() },
             rule => InstanceOptions { depth_limit: Some(1.0), ..InstanceOptions::classic(rule) },
         };
-        let mut free = Instance::new(body(sheet(33)), options).unwrap();
-        let mut held = Instance::new(body(mesh.clone()), options).unwrap();
+        let (mut free, mut held) = (with(&body(sheet(33)), options), with(&body(mesh.clone()), options));
         for _ in 0..100 {
             for _ in 0..200 {
                 let hit = random_hit(&mut dice);
                 free.submit(&hit).unwrap();
                 held.submit(&hit).unwrap();
             }
-            let least = shown(&mut held).into_iter().map(outside).fold(f64::INFINITY, f64::min);
+            let least = shown(&mut held).0.into_iter().map(outside).fold(f64::INFINITY, f64::min);
             assert!(least >= 0.0, "{rule:?}: {least}");
-            entered_without |= shown(&mut free).into_iter().any(|p| outside(p) < 0.0);
+            entered_without |= shown(&mut free).0.into_iter().any(|p| outside(p) < 0.0);
         }
     }
     assert!(entered_without);
@@ -137,14 +129,12 @@ fn normals_of_vertices_that_cannot_move_stay() {
                     mesh.depth_limits = Some(limits.collect());
                 }
             }
-            let anchored = examples(&mesh);
-            let set = ExampleSet::build(mesh.clone(), anchored, SetOptions::default(), &Serial).unwrap();
-            let mut body = Instance::new(std::sync::Arc::new(set), options).unwrap();
+            let mut body = with(&body(mesh.clone()), options);
             for (x, y) in [(0.3, 0.4), (0.7, 0.6)] {
                 let outcome = body.submit(&Hit::displacement([x, y, 0.0], [0.06, 0.0, -0.2])).unwrap();
                 assert_eq!(outcome.status, HitStatus::Marked);
             }
-            let (positions, normals) = shown_with_normals(&mut body);
+            let (positions, normals) = shown(&mut body);
             for v in (0..n).step_by(2) {
                 let at_rest = positions[v] == Vec3::from(mesh.positions[v]);
                 if held.is_none() {
@@ -191,15 +181,13 @@ fn skins_that_move_alike_hardly_cross() {
     mesh.normals = None;
     let limits = mesh.depth_limits.clone().unwrap();
     mesh.depth_limits.as_mut().unwrap().extend(limits);
-    let anchored = examples(&mesh);
-    let set = ExampleSet::build(mesh, anchored, SetOptions::default(), &Serial).unwrap();
-    let mut body = Instance::new(std::sync::Arc::new(set), InstanceOptions::default()).unwrap();
+    let mut body = new(&body(mesh));
     let mut dice = Dice::new(5);
     for _ in 0..100 {
         for _ in 0..20 {
             body.submit(&random_hit(&mut dice)).unwrap();
         }
-        let all = shown(&mut body);
+        let all = shown(&mut body).0;
         let closest = (0..n).map(|v| (all[v] - all[n + v]).z).fold(f32::INFINITY, f32::min);
         // Each skin has nodes of its own and follows those of the other too.
         assert!(closest > -0.01 * body.depth_limit(), "{closest}");

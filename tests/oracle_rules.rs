@@ -13,7 +13,7 @@ use crumple::{
 use oracle::damage::Ledger;
 use oracle::marks::{Limit, Shown};
 use proptest::prelude::*;
-use scenes::{Dice, Output, build, every_node, new};
+use scenes::{Dice, Output, build, every_node, new, with};
 
 /// A random set: a bumpy sheet, ball or cube, with smooth and ragged examples, some without a given contact. There is a node at each
 /// vertex.
@@ -109,13 +109,8 @@ fn ragged(mesh: &MeshData, dice: &mut Dice) -> ExampleData {
 }
 
 /// An instance with the marks of random hits on `set`, some of them repeated.
-fn random_marks(set: &Arc<ExampleSet>, dice: &mut Dice, options: &InstanceOptions, count: usize) -> Instance {
-    let mut instance = Instance::new(set.clone(), *options).unwrap();
-    for hit in scenes::random_hits(set, count, dice.next()) {
-        instance.submit(&hit).unwrap();
-    }
-    instance.fold();
-    instance
+fn random_marks(set: &Arc<ExampleSet>, dice: &mut Dice, options: InstanceOptions, count: usize) -> Instance {
+    scenes::dented(set, options, &scenes::random_hits(set, count, dice.next()))
 }
 
 /// The displacements of all vertices by one hit of a mark alone, m, and a depth limit that none of them comes near.
@@ -123,7 +118,7 @@ fn alone(set: &Arc<ExampleSet>, mark: &Mark) -> (Vec<DVec3>, f64) {
     let mut limit = 4.0 * mark.depth.max(set.depth_limit());
     loop {
         let options = InstanceOptions { depth_limit: Some(limit), ..InstanceOptions::default() };
-        let mut body = Instance::new(set.clone(), options).unwrap();
+        let mut body = with(set, options);
         body.set_marks(&[Mark { energy: Mark::ONE, ..*mark }]).unwrap();
         let moved = scenes::displacements(&mut body);
         if moved.iter().all(|u| u.length() < 0.7 * limit) {
@@ -199,7 +194,7 @@ proptest! {
         let set = random_set(&mut dice);
         let depth_limit = (dice.index(3) == 0).then(|| dice.between(0.01, 0.3));
         let options = InstanceOptions { depth_limit, ..InstanceOptions::default() };
-        let mut instance = random_marks(&set, &mut dice, &options, hits);
+        let mut instance = random_marks(&set, &mut dice, options, hits);
         check_evaluation(&mut instance)?;
     }
 
@@ -230,7 +225,7 @@ proptest! {
                 give: f64::from(if given != 1 { least(v, &|w| 1.0 - stiffness[w]) } else { 1.0 }),
             })
             .collect();
-        let mut instance = random_marks(&set, &mut dice, &InstanceOptions::default(), hits);
+        let mut instance = random_marks(&set, &mut dice, InstanceOptions::default(), hits);
         check_limited(&mut instance, &free, &limits)?;
         for _ in 0..8 {
             let outcome = instance.preview(&scenes::random_hit(&set, &mut dice)).unwrap();
@@ -275,7 +270,7 @@ fn any_mark(set: &ExampleSet, dice: &mut Dice) -> Mark {
 fn check_classic(set: &Arc<ExampleSet>, dice: &mut Dice, clamp: bool) -> Result<(), TestCaseError> {
     let selection = if clamp { Selection::Classic } else { Selection::ClassicUnclamped };
     let options = InstanceOptions { rule: Rule::MostDisplaced, selection, ..InstanceOptions::default() };
-    let mut instance = scenes::with(set, options);
+    let mut instance = with(set, options);
     let outcome = instance.submit(&scenes::random_hit(set, dice)).unwrap();
     let target = f64s(outcome.target);
     let limit = if clamp { f64::from(set.depth_limit()) } else { f64::INFINITY };
@@ -309,7 +304,7 @@ fn check_classic(set: &Arc<ExampleSet>, dice: &mut Dice, clamp: bool) -> Result<
 
 fn check_ledger(set: &Arc<ExampleSet>, dice: &mut Dice, capacity: u32) -> Result<(), TestCaseError> {
     let options = InstanceOptions { capacity, ..InstanceOptions::default() };
-    let mut instance = Instance::new(set.clone(), options).unwrap();
+    let mut instance = with(set, options);
     let mut ledger = Ledger::default();
     for _ in 0..4 {
         let count = 1 + dice.index(8);
@@ -330,7 +325,7 @@ fn the_solver_s_bodies_agree_too() {
         let set = build(mesh, examples, every_node(SetOptions::default()));
         let mut dice = Dice::new(7);
         for hits in [1, 6] {
-            let mut instance = random_marks(&set, &mut dice, &InstanceOptions::default(), hits);
+            let mut instance = random_marks(&set, &mut dice, InstanceOptions::default(), hits);
             check_evaluation(&mut instance).unwrap();
         }
         for clamp in [true, false, true, false] {
@@ -347,7 +342,7 @@ fn quick_the_oracle_agrees_on_a_few_sets() {
         let set = random_set(&mut dice);
         check_classic(&set, &mut dice, seed % 2 == 0).unwrap();
         check_ledger(&set, &mut dice, 4).unwrap();
-        let mut instance = random_marks(&set, &mut dice, &InstanceOptions::default(), 3);
+        let mut instance = random_marks(&set, &mut dice, InstanceOptions::default(), 3);
         check_evaluation(&mut instance).unwrap();
     }
 }

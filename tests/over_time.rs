@@ -4,7 +4,7 @@ mod scenes;
 
 use crumple::{Error, Instance, InstanceOptions, Mark, Rule};
 use proptest::prelude::*;
-use scenes::{Body, Dice, Output, displacements, new, push, random_hit, random_hits};
+use scenes::{Body, Dice, Output, dented, displacements, new, push, random_hit, random_hits, with};
 
 fn bodies() -> &'static [Body] {
     static BODIES: std::sync::OnceLock<Vec<Body>> = std::sync::OnceLock::new();
@@ -16,7 +16,7 @@ fn contact(instance: &Instance, mark: &Mark) -> crumple::glam::Vec3 {
 }
 
 fn growing(set: &std::sync::Arc<crumple::ExampleSet>, grow_time: f32) -> Instance {
-    Instance::new(set.clone(), InstanceOptions { grow_time, ..InstanceOptions::default() }).unwrap()
+    with(set, InstanceOptions { grow_time, ..InstanceOptions::default() })
 }
 
 proptest! {
@@ -30,8 +30,7 @@ proptest! {
         let mut dice = Dice::new(seed);
         let mut hits = random_hits(set, 20, seed);
         let at = set.mesh().positions()[dice.index(set.vertex_count())];
-        let mut instance = new(set);
-        hits.iter().for_each(|h| assert!(instance.submit(h).is_ok()));
+        let mut instance = dented(set, InstanceOptions::default(), &hits);
         let before = instance.marks().unwrap().to_vec();
         let mut out = Output::new(set);
         out.update(&mut instance);
@@ -51,8 +50,7 @@ proptest! {
             }
         }
         dice.shuffle(&mut hits);
-        let mut other = new(set);
-        hits.iter().for_each(|h| assert!(other.submit(h).is_ok()));
+        let mut other = dented(set, InstanceOptions::default(), &hits);
         other.repair_around(at.to_array(), radius, keep).unwrap();
         prop_assert_eq!(other.save(), instance.save());
         let mut loaded = new(set);
@@ -135,8 +133,7 @@ fn quick_a_dent_grows_evenly_and_pops_out_again() {
 fn quick_more_dents_than_can_grow_are_complete_at_once() {
     let set = scenes::sheet_set();
     let options = InstanceOptions { grow_time: 1.0, capacity: 1000, ..InstanceOptions::default() };
-    let mut body = Instance::new(set.clone(), options).unwrap();
-    let mut plain = Instance::new(set.clone(), InstanceOptions { grow_time: 0.0, ..options }).unwrap();
+    let (mut body, mut plain) = (with(&set, options), with(&set, InstanceOptions { grow_time: 0.0, ..options }));
     let mut out = Output::new(&set);
     out.update(&mut body);
     let mut dice = Dice::new(3);
@@ -169,7 +166,7 @@ fn quick_bad_repairs_and_times_are_refused() {
     assert!(message(body.repair_around([f32::NAN; 3], 1.0, 0.5)).starts_with("point is"));
     assert!(message(body.set_time(f64::INFINITY)).starts_with("time is inf"));
     assert_eq!(body.save(), before);
-    let mut classic = Instance::new(set.clone(), InstanceOptions::classic(Rule::MostDisplaced)).unwrap();
+    let mut classic = with(&set, InstanceOptions::classic(Rule::MostDisplaced));
     assert!(matches!(classic.repair_around([0.0; 3], 1.0, 0.5), Err(Error::WrongRule { .. })));
     let slow = InstanceOptions { grow_time: 0.1, ..InstanceOptions::classic(Rule::MostDisplaced) };
     assert!(message(Instance::new(set, slow).map(drop)).starts_with("grow_time is 0.1; it must be 0"));

@@ -7,7 +7,7 @@ use crumple::{
     Error, Instance, InstanceOptions, Mapping, Rule, Serial, ThreadPool, fold_all, load_all, map_damage, save_all,
 };
 use proptest::prelude::*;
-use scenes::{Body, Dice, new, random_hit};
+use scenes::{Body, Dice, dented, new, random_hit, with};
 
 fn bodies() -> &'static [Body] {
     static BODIES: std::sync::OnceLock<Vec<Body>> = std::sync::OnceLock::new();
@@ -35,7 +35,7 @@ proptest! {
                 Rule::Marks => InstanceOptions::default(),
                 rule => InstanceOptions::classic(rule),
             };
-            Instance::new(bodies()[i % 3].1.clone(), options).unwrap()
+            with(&bodies()[i % 3].1, options)
         };
         let mut from: Vec<Instance> = (0..6).map(make).collect();
         let mut alone: Vec<Instance> = (0..6).map(make).collect();
@@ -77,10 +77,7 @@ fn patched(n: usize, order: &[usize]) -> std::sync::Arc<crumple::ExampleSet> {
 #[test]
 fn quick_damage_of_a_changed_set_is_mapped() {
     let old = patched(32, &[0, 1, 2]);
-    let mut body = new(&old);
-    for hit in scenes::random_hits(&old, 30, 7) {
-        body.submit(&hit).unwrap();
-    }
+    let mut body = dented(&old, InstanceOptions::default(), &scenes::random_hits(&old, 30, 7));
     let saved = body.save();
     let count = body.marks().unwrap().len();
     let far = f32::INFINITY;
@@ -130,7 +127,7 @@ fn quick_damage_of_a_changed_set_is_mapped() {
     assert!(mismatch(map_damage(&dense, &old, &saved, far).map(drop)).contains("belongs to example set"));
     assert!(mismatch(map_damage(&old, &dense, &saved[..40], far).map(drop)).contains("cut short"));
     assert!(mismatch(map_damage(&old, &dense, &all[..60], far).map(drop)).contains("cut short"));
-    let classic = Instance::new(old.clone(), InstanceOptions::classic(Rule::MostDisplaced)).unwrap().save();
+    let classic = with(&old, InstanceOptions::classic(Rule::MostDisplaced)).save();
     assert!(mismatch(map_damage(&old, &dense, &classic, far).map(drop)).contains("kind 2"));
     for wrong in [f32::NAN, -1.0] {
         assert!(map_damage(&old, &dense, &saved, wrong).unwrap_err().to_string().contains("max_distance"));
