@@ -388,7 +388,7 @@ fn quick_contacts_far_away() {
         }
     }
     let options = InstanceOptions { max_contact_distance: Some(0.01), ..InstanceOptions::default() };
-    let near = Instance::new(set(), options).unwrap();
+    let near = with(&set(), options);
     refused!(near.submit(&push([0.0, 0.0, 0.02], [0.0, 0.0, -0.1])), ContactTooFar, "0.02 m", "0.01 m");
     near.submit(&push([0.0, 0.0, 0.009], [0.0, 0.0, -0.1])).unwrap();
     still_usable(&mut instance, &[]);
@@ -479,7 +479,7 @@ fn quick_calls_out_of_range() {
 
 #[test]
 fn quick_classic_instances_have_no_marks() {
-    let mut instance = Instance::new(set(), InstanceOptions::classic(Rule::MostDisplaced)).unwrap();
+    let mut instance = with(&set(), InstanceOptions::classic(Rule::MostDisplaced));
     instance.submit(&good()).unwrap();
     let error = refused!(instance.marks(), WrongRule, "marks", "Marks", "MostDisplaced");
     assert_eq!(error.kind(), ErrorKind::WrongRule);
@@ -605,8 +605,7 @@ fn quick_saved_damage_of_another_kind_set_or_version() {
     refused!(other.load(&bytes), DamageMismatch, "example set");
     refused!(other.copy_damage_from(&mut instance), DamageMismatch, "example set");
     assert!(other.marks().unwrap().is_empty());
-    let mut classic =
-        Instance::new(instance.example_set().clone(), InstanceOptions::classic(Rule::MostDisplaced)).unwrap();
+    let mut classic = with(instance.example_set(), InstanceOptions::classic(Rule::MostDisplaced));
     refused!(classic.load(&bytes), DamageMismatch, "rule");
     refused!(classic.copy_damage_from(&mut instance), DamageMismatch, "rule");
     refused!(instance.copy_damage_from(&mut classic), DamageMismatch, "rule");
@@ -754,21 +753,17 @@ fn quick_memory_that_is_too_small() {
     let (mut packed, memory) = ([[0; 2]; 2], VertexMemory::separate(&mut positions, None, None).unwrap());
     let memory = memory.with_octahedral_normals(&mut packed);
     refused!(instance.deform(&mut tracker, memory, &Serial), BufferTooSmall, "normal", "8", "12");
-    for huge in [usize::MAX & !3, 1 << 62] {
-        let memory = VertexMemory::interleaved(bytemuck_bytes(&mut positions), at(0, huge), None, None).unwrap();
-        refused!(instance.deform(&mut tracker, memory, &Serial), BufferTooSmall, "36");
-        let memory = VertexMemory::interleaved(bytemuck_bytes(&mut positions), at(huge, 12), None, None).unwrap();
+    let huge = usize::MAX & !3;
+    for attribute in [at(0, huge), at(huge, 12)] {
+        let bytes = bytemuck::cast_slice_mut(&mut positions);
+        let memory = VertexMemory::interleaved(bytes, attribute, None, None).unwrap();
         refused!(instance.deform(&mut tracker, memory, &Serial), BufferTooSmall, "36");
     }
 }
 
-fn bytemuck_bytes(positions: &mut [[f32; 3]; 3]) -> &mut [u8] {
-    bytemuck::cast_slice_mut(positions)
-}
-
 #[test]
 fn quick_outputs_that_the_mesh_has_not() {
-    let bare = MeshData { positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], ..MeshData::default() };
+    let bare = MeshData { normals: None, tangents: None, triangles: Vec::new(), ..triangle() };
     let set = Arc::new(build(bare, vec![dent()]).unwrap());
     let mut instance = new(&set);
     let mut tracker = Tracker::new();
@@ -786,13 +781,12 @@ fn quick_outputs_that_the_mesh_has_not() {
 
 #[test]
 fn quick_tolerances_that_cannot_be_are_named() {
-    let mesh = MeshData { positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], ..MeshData::default() };
     let values = vec![[0.0, 0.0, -0.002], [0.0, 0.0, -0.1]];
-    let mut example = ExampleData::new("dent", Deltas::Sparse { indices: vec![0, 1], values });
-    example.contact = Some(Contact::Vertex(0));
+    let positions = Deltas::Sparse { indices: vec![0, 1], values };
+    let example = ExampleData { positions, contact: Some(Contact::Vertex(0)), ..dent() };
     let build = |tolerance| {
         let options = SetOptions { tolerance: Some(tolerance), ..SetOptions::default() };
-        ExampleSet::build(mesh.clone(), vec![example.clone()], options, &Serial)
+        build_with(triangle(), vec![example.clone()], options)
     };
     assert!(build(0.001).is_ok() && build(0.005).is_ok());
     refused!(build(1e-12), ExampleMismatch, "0.1", "give a tolerance of at least");

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use crumple::glam::DVec3;
 use crumple::{
     DeformJob, Error, ErrorKind, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData, Rule, Serial,
-    SetOptions, ThreadPool, Tracker, VertexMemory, deform,
+    SetOptions, Tracker, VertexMemory, deform,
 };
 use scenes::{Dice, Level, ball, bowls, coincident, cube, length, new, push, random_hits, sheet};
 
@@ -177,19 +177,6 @@ fn seams_of_a_level_stay_closed() {
             }
         }
     }
-}
-
-#[test]
-fn levels_are_bound_alike_on_any_number_of_threads() {
-    let (mesh, lod) = (ball(3), ball(2));
-    let build = |threads: usize| {
-        let tasks = ThreadPool::new(threads).unwrap();
-        let mut set = ExampleSet::build(mesh.clone(), bowls(&mesh, 3, 0.5, 2), options(None), &tasks).unwrap();
-        set.add_lod(lod.clone(), &tasks).unwrap();
-        let set = Arc::new(set);
-        Level::of(&mut dented(&set, &hits(&set, 1)), 1).bits()
-    };
-    assert_eq!(build(1), build(3));
 }
 
 #[test]

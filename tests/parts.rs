@@ -176,14 +176,6 @@ fn quick_a_bumper_falls_off_and_is_put_on_again() {
     body.submit(&dent(5, 0.03)).unwrap();
     let mut bumper = body.release(5).unwrap();
     assert_eq!(bumper.revision(), body.revision());
-    // A hit where it was lands beside it, one on it only on it.
-    let beside = body.submit(&dent(5, 0.02)).unwrap();
-    assert!(part_of(beside.contact_vertex) != 5 && beside.contact_distance > 0.1);
-    let on = bumper.submit(&dent(1, 0.02)).unwrap();
-    assert!(
-        piece(4).positions.contains(&bumper.example_set().mesh().positions()[on.contact_vertex as usize].to_array())
-    );
-    assert!(bumper.revision() != body.revision());
     // On again: hits on the body land on it, and dent it too, also in parts of a contact.
     body.mount(&mut bumper).unwrap();
     let before = bumper.measure(5).unwrap();

@@ -348,16 +348,13 @@ fn sets_are_built_alike_on_any_number_of_threads() {
     let build = |tasks: &dyn TaskSystem| {
         let mesh = scenes::cube(8);
         let examples = scenes::bowls(&mesh, 9, 0.4, 4);
-        Arc::new(ExampleSet::build(mesh, examples, SetOptions::default(), tasks).unwrap())
+        let options = SetOptions { whole_examples: true, ..SetOptions::default() };
+        let mut set = ExampleSet::build(mesh, examples, options, tasks).unwrap();
+        set.add_lod(scenes::ball(3), tasks).unwrap();
+        set.save().unwrap()
     };
     let alone = build(&Serial);
-    let hits = random_hits(&alone, 40, 3);
-    let after = |set: &Arc<ExampleSet>| Output::fresh(&mut dented(set, InstanceOptions::default(), &hits)).all_bits();
-    for tasks in task_systems() {
-        let set = build(tasks.as_ref());
-        assert_eq!(set.fingerprint(), alone.fingerprint());
-        assert!(after(&set) == after(&alone));
-    }
+    assert!(task_systems().iter().all(|tasks| build(tasks.as_ref()) == alone));
 }
 
 /// Hashes of a fixed scenario. A platform that differs here would disagree with others over a network. After a
@@ -979,12 +976,7 @@ fn quick_yield_thresholds_leave_no_mark() {
     let set = scenes::sheet_set();
     let options = InstanceOptions { yield_impulse: 5.0, yield_displacement: 0.01, ..InstanceOptions::default() };
     let mut instance = with(&set, options);
-    let impulse = |j: f32| Hit {
-        point: [0.0; 3],
-        cause: Cause::Impulse { blow: Blow::of_impulse([0.0, 0.0, -j], 0.1), mass: Some(10.0) },
-        space: Space::Local,
-        contact: None,
-    };
+    let impulse = |j: f32| Hit::impulse([0.0; 3], [0.0, 0.0, -j], 0.1, Some(10.0));
     for (hit, status) in [
         (impulse(4.9), HitStatus::BelowYield),
         (impulse(5.1), HitStatus::Marked),

@@ -158,12 +158,7 @@ fn sample_is_the_same_for_the_same_seed_and_can_be_applied() {
             assert!(vector(&other["point"]).distance(p) > 0.05, "spread");
         }
     }
-    // any number of threads writes the same file
-    let run = |threads: &str| {
-        has(&apply(&folder, &[PANEL], &a, &["--threads", threads]), &["12 of 12 impacts left a dent"]);
-        std::fs::read(folder.at("out.glb")).expect("readable")
-    };
-    assert!(run("1") == run("8"));
+    has(&apply(&folder, &[PANEL], &a, &[]), &["12 of 12 impacts left a dent"]);
     assert!(deepest(&displacements(&import(PANEL), &dented(&folder.at("out.glb")))).1 > 0.005);
 }
 
@@ -197,21 +192,13 @@ fn bake_writes_a_set_that_the_other_commands_take() {
     assert_eq!(folder.names(), ["panel.crumple", "panel.order"]);
 
     let order = std::fs::read(&order).expect("written");
-    let mut vertices: Vec<u32> =
-        order.chunks_exact(4).map(|b| u32::from_le_bytes(b.try_into().expect("four"))).collect();
+    let vertices: Vec<u32> = order.chunks_exact(4).map(|b| u32::from_le_bytes(b.try_into().expect("four"))).collect();
     let set = std::sync::Arc::new(crumple::ExampleSet::load_file(&baked, &crumple::Serial).expect("a set"));
     assert_eq!(set.source_order(), Some(&vertices[..]));
     let body = crumple::Instance::new(set.clone(), crumple::InstanceOptions::default()).expect("a body");
     let contact = set.mesh().positions()[0].to_array();
     let outcome = body.preview(&crumple::Hit::impulse(contact, [0.0, 0.0, -0.1], 0.01, None)).expect("a mass");
     assert_eq!(outcome.target, [0.0, 0.0, -0.002]); // 0.1 N s * 0.01 s / 0.5 kg
-    let source = import(PANEL);
-    for (v, old) in vertices.iter().enumerate() {
-        assert_eq!(set.mesh().positions()[v].to_array(), source.mesh.positions[*old as usize]);
-    }
-    vertices.sort_unstable();
-    assert!(vertices.into_iter().eq(0..2173));
-
     has(&crumple(&["info", &baked]).report(), &["panel: 2173 vertices", "train_31"]);
     let list = folder.at("sample.json");
     crumple(&["sample", &baked, "-o", &list, "--count", "3"]).report();
