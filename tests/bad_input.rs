@@ -11,7 +11,6 @@ use crumple::{
     HitStatus, Instance, InstanceOptions, Mark, MeshData, Rule, Selection, Serial, SetOptions, Space, ThreadPool,
     Tracker, VertexMass, VertexMemory, load_all, map_damage, save_all,
 };
-use proptest::prelude::*;
 use twox_hash::XxHash3_64;
 
 use scenes::{Dice, Output, base, check_sound, dented, new, push, random_hit, with};
@@ -610,35 +609,6 @@ fn quick_saved_damage_of_another_kind_set_or_version() {
     refused!(classic.copy_damage_from(&mut instance), DamageMismatch, "rule");
     refused!(instance.copy_damage_from(&mut classic), DamageMismatch, "rule");
     still_usable(&mut instance, &marks);
-}
-
-proptest! {
-    #![proptest_config(scenes::cases(400))]
-
-    /// Any bytes give either an error that changes nothing, or damage that is bounded like any other.
-    #[test]
-    fn damaged_saves_never_do_harm(seed in any::<u64>(), flips in 1usize..6, classic in any::<bool>()) {
-        let mut dice = Dice::new(seed);
-        let set = scenes_set();
-        let options = if classic { InstanceOptions::classic(Rule::MostDisplaced) } else { InstanceOptions::default() };
-        let mut instance = dented(&set, options, &[(); 3].map(|_| random_hit(&set, &mut dice)));
-        let clean = instance.save();
-        let mut bytes = clean.clone();
-        for _ in 0..flips {
-            // mostly past the header, where every bit is checked
-            let from = if dice.index(8) == 0 { 0 } else { 16.min(bytes.len() - 1) };
-            let at = from + dice.index(bytes.len() - from);
-            bytes[at] = [0x00, 0xff, 0x7f, 0x80, bytes[at] ^ 1 << dice.index(8)][dice.index(5)];
-        }
-        let bytes = sealed(bytes);
-        if instance.load(&bytes).is_err() {
-            prop_assert!(instance.save() == clean);
-        } else if !classic {
-            check_sound(&mut instance)?;
-        } else {
-            prop_assert!(Output::fresh(&mut instance).positions.iter().flatten().all(|x| x.is_finite()));
-        }
-    }
 }
 
 fn scenes_set() -> Arc<ExampleSet> {

@@ -6,7 +6,6 @@ mod import_glb;
 use crumple::import::{Imported, obj_files, obj_glb, obj_slices};
 use crumple::{Error, ErrorKind};
 use import_glb::fixture;
-use proptest::prelude::*;
 
 fn read(base: &str, example: &str) -> Result<Imported, Error> {
     obj_slices(("base", base.as_bytes()), &[("dent", example.as_bytes())])
@@ -283,30 +282,4 @@ fn objects_groups_materials_and_colours_are_kept() {
     let imported = obj_files(&folder.path().join("car.obj"), &[folder.path().join("car_dent.obj")]).unwrap();
     assert_eq!((imported.examples.len(), imported.primitives.len(), imported.parts.len()), (1, 3, 0));
     assert_eq!(imported.primitives[0].material.as_deref(), Some("röt paint"));
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig { cases: ProptestConfig::default().cases * 8, failure_persistence: None, ..ProptestConfig::default() })]
-
-    #[test]
-    fn no_mutation_panics(edits in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..12), cut in any::<prop::sample::Index>()) {
-        let mut bytes = std::fs::read(fixture("plate_dent.obj")).unwrap();
-        for (at, value) in edits {
-            let at = at.index(bytes.len());
-            bytes[at] = value;
-        }
-        let end = cut.index(bytes.len());
-        for broken in [&bytes[..], &bytes[..end]] {
-            let _ = obj_slices(("a", broken), &[("b", broken)]);
-        }
-    }
-
-    #[test]
-    fn no_text_panics(words in prop::collection::vec(prop::sample::select(vec![
-        "v", "vt", "vn", "f", "o", "g", "usemtl", "mtllib", "s", "\n", "\n", "\\", "\\\n", "0", "1", "-1", "2", "1/1", "1//1", "-1/-1/-1", "/", "//",
-        "1e38", "-1e38", "nan", "\u{2003}", "\u{e9}", "\u{feff}", "#",
-    ]), 0..60), glue in prop::sample::select(vec![" ", "", "\u{a0}"])) {
-        let text = words.join(glue);
-        let _ = read(&text, &text);
-    }
 }

@@ -21,9 +21,12 @@ target!(
             }
         }
         let Ok(imported) = gltf_slice(&file, None, MeshChoice::First) else { return };
-        let positions = imported.mesh.positions.clone();
+        let mesh = &imported.mesh;
+        let count = mesh.positions.len() as u32;
+        assert!(mesh.triangles.as_flattened().iter().all(|v| *v < count), "a triangle has a vertex of {count}");
         // A file that can be read can be written again with other vertices.
-        let _ = crumple::export::deformed_glb(&file, None, MeshChoice::First, &positions, None, None);
+        let (normals, tangents) = (mesh.normals.as_deref(), mesh.tangents.as_deref());
+        let _ = crumple::export::deformed_glb(&file, None, MeshChoice::First, &mesh.positions, normals, tangents);
         seeds::build_and_use(imported);
     },
     seeds: seeds::gltf
