@@ -11,9 +11,7 @@ use scenes::{Dice, Output, displacements, new, random_hits};
 
 /// A solver body whose vertices follow nodes.
 fn following(body: &str, options: BasisOptions) -> (Arc<ExampleSet>, BasisReport) {
-    let (mesh, mut examples) = scenes::solver(body);
-    examples.truncate(8);
-    let set = scenes::build(mesh, examples, SetOptions { basis: Some(options), ..SetOptions::default() });
+    let set = scenes::solver_with(body, 8, SetOptions { basis: Some(options), ..SetOptions::default() });
     let report = set.basis_report().unwrap();
     (set, report)
 }
@@ -109,7 +107,7 @@ fn many_hits_leave_no_plateau() {
 fn options_and_classic_rules() {
     let set = panel();
     for tolerance in [0.0, -1.0, f32::NAN, f32::INFINITY] {
-        let (mesh, examples) = scenes::solver("panel");
+        let (mesh, examples) = scenes::solver("panel", 8);
         let basis = Some(BasisOptions { tolerance, rounds: 1, nodes: 0 });
         let error =
             ExampleSet::build(mesh, examples, SetOptions { basis, ..SetOptions::default() }, &Serial).unwrap_err();

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crumple::glam::Vec3;
 use crumple::{Contact, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData, Mirror, SetOptions};
-use scenes::{Dice, Output, build, displacements, new, push, random_hit, relative_l2};
+use scenes::{Dice, Output, build, displacements, new, push, random_hit, relative_l2, solver_with};
 
 fn positions(set: &ExampleSet) -> &[Vec3] {
     set.mesh().positions()
@@ -17,12 +17,6 @@ fn dent(set: &Arc<ExampleSet>, options: InstanceOptions, hit: &Hit) -> (Vec<Vec3
     let mut instance = Instance::new(set.clone(), options).unwrap();
     let outcome = instance.submit(hit).unwrap();
     (displacements(&mut instance), outcome)
-}
-
-fn with_options(body: &str, count: usize, options: SetOptions) -> Arc<ExampleSet> {
-    let (mesh, mut examples) = scenes::solver(body);
-    examples.truncate(count);
-    build(mesh, examples, options)
 }
 
 /// An example that moves every vertex by `field` of its base position.
@@ -102,8 +96,8 @@ fn mirrored(planes: Mirror) -> Vec3 {
 #[test]
 fn a_hit_at_the_mirrored_place_of_an_example_gives_its_mirrored_field() {
     for (body, planes) in [("panel", vec![1, 2, 3]), ("tube", vec![1, 2, 3, 4, 5, 6, 7])] {
-        let (mesh, all) = scenes::solver(body);
-        for e in &all[..3] {
+        let (mesh, all) = scenes::solver(body, 3);
+        for e in &all {
             let set = build(mesh.clone(), vec![e.clone()], SetOptions::default());
             let e = &set.examples()[0];
             let field: Vec<Vec3> = (0..set.vertex_count() as u32).map(|v| e.delta(v)).collect();
@@ -128,9 +122,9 @@ fn a_hit_at_the_mirrored_place_of_an_example_gives_its_mirrored_field() {
 #[test]
 fn without_mirror_nothing_is_mirrored() {
     let options = SetOptions { mirror: false, ..SetOptions::default() };
-    let set = with_options("tube", 6, options);
+    let set = solver_with("tube", 6, options);
     assert_eq!(set.report().mirror_planes, Mirror::NONE);
-    let both = with_options("tube", 6, SetOptions::default());
+    let both = solver_with("tube", 6, SetOptions::default());
     assert_ne!(set.fingerprint(), both.fingerprint());
 }
 
@@ -156,7 +150,7 @@ fn rim(set: &ExampleSet) -> Vec<usize> {
 #[test]
 fn a_held_rim_never_moves_under_what_is_carried() {
     let moves = |held_rims: bool| {
-        let set = with_options("panel", 12, SetOptions { held_rims, ..SetOptions::default() });
+        let set = solver_with("panel", 12, SetOptions { held_rims, ..SetOptions::default() });
         let rim = rim(&set);
         assert_eq!(set.report().held_vertices, if held_rims { rim.len() } else { 0 });
         let mut instance = new(&set);
@@ -179,7 +173,7 @@ fn a_held_rim_never_moves_under_what_is_carried() {
 
 #[test]
 fn the_rest_of_a_target_beside_a_held_rim_is_unmet() {
-    let set = with_options("panel", 12, SetOptions::default());
+    let set = solver_with("panel", 12, SetOptions::default());
     let rim = rim(&set);
     let at = positions(&set)[rim[3]];
     let instance = new(&set);

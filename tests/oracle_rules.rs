@@ -320,9 +320,7 @@ fn check_ledger(set: &Arc<ExampleSet>, dice: &mut Dice, capacity: u32) -> Result
 #[test]
 fn the_solver_s_bodies_agree_too() {
     for (body, count) in [("panel", 12), ("tube", 10)] {
-        let (mesh, mut examples) = scenes::solver(body);
-        examples.truncate(count);
-        let set = build(mesh, examples, every_node(SetOptions::default()));
+        let set = scenes::solver_with(body, count, every_node(SetOptions::default()));
         let mut dice = Dice::new(7);
         for hits in [1, 6] {
             let mut instance = random_marks(&set, &mut dice, InstanceOptions::default(), hits);

@@ -881,8 +881,7 @@ fn quick_a_hit_at_an_examples_own_contact_is_the_example() {
 #[test]
 fn a_hit_at_an_examples_own_contact_is_the_example_on_solver_bodies() {
     for body in ["panel", "tube"] {
-        let (mesh, examples) = scenes::solver(body);
-        check_own_contacts(&scenes::build(mesh, examples, scenes::every_node(SetOptions::default())));
+        check_own_contacts(&scenes::solver_with(body, 32, scenes::every_node(SetOptions::default())));
     }
 }
 

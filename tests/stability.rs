@@ -90,8 +90,7 @@ fn supports_from_one_vertex_to_far_beyond_the_body() {
 
 /// The panel or the tube with its first 8 examples, moved away, and 20 hits on it.
 fn placed(body: &str, away: f32) -> (Arc<ExampleSet>, Vec<Hit>) {
-    let (mut mesh, mut examples) = scenes::solver(body);
-    examples.truncate(8);
+    let (mut mesh, mut examples) = scenes::solver(body, 8);
     let moved = |p: [f32; 3]| p.map(|x| x + away);
     for e in &mut examples {
         if let Some(Contact::Point(p)) = &mut e.contact {

@@ -24,8 +24,7 @@ fn levels_widths_and_threads_give_the_same_bits() {
     let pool = scenes::Eager(ThreadPool::new(3).unwrap());
     for body in ["panel", "tube"] {
         for tolerance in [None, Some(1e-6), Some(1e-5), Some(1e-4), Some(1e-3), Some(1e-2)] {
-            let (mut mesh, mut examples) = scenes::solver(body);
-            examples.truncate(8);
+            let (mut mesh, examples) = scenes::solver(body, 8);
             if tolerance == Some(1e-3) {
                 let (mut dice, n) = (Dice::new(4), mesh.positions.len());
                 mesh.depth_limits =
@@ -63,8 +62,7 @@ fn levels_widths_and_threads_give_the_same_bits() {
 #[test]
 fn no_vertex_is_further_off_than_the_tolerance() {
     for body in ["panel", "tube"] {
-        let (mesh, mut examples) = scenes::solver(body);
-        examples.truncate(6);
+        let (mesh, examples) = scenes::solver(body, 6);
         for tolerance in [1e-6f32, 1e-5, 1e-4, 1e-3, 1e-2] {
             let options = SetOptions { tolerance: Some(tolerance), depth_limit: Some(10.0), ..SetOptions::default() };
             let set = scenes::build(mesh.clone(), examples.clone(), options);
@@ -86,12 +84,7 @@ fn no_vertex_is_further_off_than_the_tolerance() {
 #[test]
 fn contacts_are_not_rounded() {
     for body in ["panel", "tube"] {
-        let (mesh, mut examples) = scenes::solver(body);
-        examples.truncate(6);
-        let build = |tolerance| {
-            let options = SetOptions { tolerance, ..SetOptions::default() };
-            scenes::build(mesh.clone(), examples.clone(), options)
-        };
+        let build = |tolerance| scenes::solver_with(body, 6, SetOptions { tolerance, ..SetOptions::default() });
         let exact = build(None);
         for tolerance in [1e-4f32, 1e-3, 1e-2] {
             let set = build(Some(tolerance));

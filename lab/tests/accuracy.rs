@@ -100,11 +100,8 @@ fn no_worse_than_the_designs_table_and_than_it_was() {
         let set = solver_set(row.body, row.examples);
         // The classic figures count a vertex as affected by an example from 0.1 mm on. Without this, examples are
         // chosen that barely move the contact (tube, 32 examples: 1.03 instead of 1.24).
-        let cut = {
-            let (mesh, mut examples) = scenes::solver(row.body);
-            examples.truncate(row.examples);
-            scenes::build(mesh, examples, SetOptions { drop_below: 1e-4, ..SetOptions::default() })
-        };
+        let options = SetOptions { drop_below: 1e-4, ..SetOptions::default() };
+        let cut = scenes::solver_with(row.body, row.examples, options);
         let near = row.classic - TOLERANCE..=row.classic + TOLERANCE;
         let mut line = format!("| {}: {} |", row.body, row.examples);
         for (set, options, design, allowed, worst, what) in [
@@ -137,9 +134,7 @@ fn few_nodes_are_as_near_to_the_truth_as_all() {
     let deep = InstanceOptions { depth_limit: Some(1.0), ..InstanceOptions::default() };
     for body in ["panel", "tube"] {
         let held_out = HeldOut::read(body);
-        let (mesh, mut examples) = scenes::solver(body);
-        examples.truncate(24);
-        let every = scenes::build(mesh, examples, scenes::every_node(SetOptions::default()));
+        let every = scenes::solver_with(body, 24, scenes::every_node(SetOptions::default()));
         let [all, few] = [&every, &solver_set(body, 24)].map(|set| errors(set, &deep, &held_out));
         for q in [0.5, 0.9] {
             let [all, few] = [&all, &few].map(|e| quantile(e, q));

@@ -1,8 +1,6 @@
 //! Bodies, examples and hits that the tests share. Lengths in metres.
 #![allow(dead_code)]
 
-mod solver;
-
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
@@ -11,13 +9,12 @@ use proptest::prelude::{ProptestConfig, TestCaseError, prop_assert, prop_assert_
 use proptest::test_runner::RngSeed;
 
 use crumple::glam::Vec3;
+use crumple::import::{Imported, MeshChoice, gltf_file};
 use crumple::{
     BasisOptions, Blow, Cause, Contact, DeformJob, DeformReport, Deltas, ExampleData, ExampleSet, Hit, Instance,
     InstanceOptions, MeshData, Serial, SetOptions, Space, Striker, StrikerShape, TaskSystem, ThreadPool, Tracker,
     VertexMemory, deform,
 };
-
-pub use solver::solver;
 
 /// The repository's root. The lab's tests read its files too.
 pub fn repository() -> &'static Path {
@@ -378,11 +375,23 @@ pub fn learned(mesh: &MeshData, count: usize, seed: u64) -> Arc<ExampleSet> {
     build(mesh.clone(), examples, SetOptions::default())
 }
 
-/// A solver body with its first `count` examples.
-pub fn solver_set(body: &str, count: usize) -> Arc<ExampleSet> {
-    let (mesh, mut examples) = solver(body);
+/// The mesh of the independent elasto-plastic solver's `panel` or `tube`, as committed in `assets/solver`, and the first `count` of its 32
+/// examples.
+pub fn solver(body: &str, count: usize) -> (MeshData, Vec<ExampleData>) {
+    let path = repository().join(format!("assets/solver/{body}.glb"));
+    let Imported { mesh, mut examples, .. } = gltf_file(&path, MeshChoice::First).expect("the committed asset");
     examples.truncate(count);
-    build(mesh, examples, SetOptions::default())
+    (mesh, examples)
+}
+
+/// The set of a solver body.
+pub fn solver_with(body: &str, count: usize, options: SetOptions) -> Arc<ExampleSet> {
+    let (mesh, examples) = solver(body, count);
+    build(mesh, examples, options)
+}
+
+pub fn solver_set(body: &str, count: usize) -> Arc<ExampleSet> {
+    solver_with(body, count, SetOptions::default())
 }
 
 pub fn push(point: [f32; 3], displacement: [f32; 3]) -> Hit {
