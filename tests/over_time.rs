@@ -4,12 +4,7 @@ mod scenes;
 
 use crumple::{Error, Instance, InstanceOptions, Mark, Rule};
 use proptest::prelude::*;
-use scenes::{Body, Dice, Output, dented, displacements, new, push, random_hit, random_hits, with};
-
-fn bodies() -> &'static [Body] {
-    static BODIES: std::sync::OnceLock<Vec<Body>> = std::sync::OnceLock::new();
-    BODIES.get_or_init(scenes::small_bodies)
-}
+use scenes::{Dice, Output, dented, displacements, new, push, random_hit, random_hits, with};
 
 fn contact(instance: &Instance, mark: &Mark) -> crumple::glam::Vec3 {
     instance.example_set().mesh().positions()[mark.contact as usize]
@@ -26,7 +21,7 @@ proptest! {
     /// depend on the order of hits or on saving in between.
     #[test]
     fn repair_around_a_point_is_local_and_canonical(body in 0usize..3, seed: u64, radius in 0.05f32..1.0, keep in 0.0f32..=1.0) {
-        let set = &bodies()[body].1;
+        let set = &scenes::small_bodies().swap_remove(body).1;
         let mut dice = Dice::new(seed);
         let mut hits = random_hits(set, 20, seed);
         let at = set.mesh().positions()[dice.index(set.vertex_count())];
@@ -63,7 +58,7 @@ proptest! {
     /// in changed blocks as in all, and once the time has passed they are those of the other instance.
     #[test]
     fn what_grows_is_complete_in_the_end(body in 0usize..3, seed: u64) {
-        let set = &bodies()[body].1;
+        let set = &scenes::small_bodies().swap_remove(body).1;
         let mut dice = Dice::new(seed);
         let (mut slow, mut plain) = (growing(set, 0.05), new(set));
         let mut out = Output::new(set);

@@ -173,26 +173,16 @@ fn three_hits(rule: Rule) -> Vec<[f32; 3]> {
 }
 
 #[test]
-fn quick_figure_4_3_most_displaced_step_by_step() {
-    let steps = three_hits(Rule::MostDisplaced);
-    assert_near(steps[0], [0.0, 0.0, -0.8]);
-    assert_near(steps[1], [0.5, 0.0, -0.9]);
-    assert_near(steps[2], [0.5, 0.0, -0.9]);
-}
-
-#[test]
-fn quick_figure_4_3_blend_step_by_step() {
-    let steps = three_hits(Rule::Blend(0.25));
-    assert_near(steps[0], [0.0, 0.0, -0.8]);
-    assert_near(steps[1], [0.5, 0.0, -0.9]);
-    assert_near(steps[2], [0.5625, 0.0, -0.7875]);
-}
-
-#[test]
-fn quick_blend_with_k_zero_is_most_displaced() {
-    let (a, b) = (three_hits(Rule::Blend(0.0)), three_hits(Rule::MostDisplaced));
-    for (a, b) in a.iter().zip(&b) {
-        assert_near(*a, *b);
+fn quick_figure_4_3_step_by_step() {
+    for (rule, third) in [
+        (Rule::MostDisplaced, [0.5, 0.0, -0.9]),
+        (Rule::Blend(0.0), [0.5, 0.0, -0.9]),
+        (Rule::Blend(0.25), [0.5625, 0.0, -0.7875]),
+    ] {
+        let steps = three_hits(rule);
+        assert_near(steps[0], [0.0, 0.0, -0.8]);
+        assert_near(steps[1], [0.5, 0.0, -0.9]);
+        assert_near(steps[2], third);
     }
 }
 

@@ -7,12 +7,7 @@ use crumple::{
     Error, Instance, InstanceOptions, Mapping, Rule, Serial, ThreadPool, fold_all, load_all, map_damage, save_all,
 };
 use proptest::prelude::*;
-use scenes::{Body, Dice, dented, new, random_hit, with};
-
-fn bodies() -> &'static [Body] {
-    static BODIES: std::sync::OnceLock<Vec<Body>> = std::sync::OnceLock::new();
-    BODIES.get_or_init(scenes::small_bodies)
-}
+use scenes::{Dice, dented, new, random_hit, with};
 
 fn mismatch(result: Result<(), Error>) -> String {
     match result.unwrap_err() {
@@ -35,7 +30,7 @@ proptest! {
                 Rule::Marks => InstanceOptions::default(),
                 rule => InstanceOptions::classic(rule),
             };
-            with(&bodies()[i % 3].1, options)
+            with(&scenes::small_bodies()[i % 3].1, options)
         };
         let mut from: Vec<Instance> = (0..6).map(make).collect();
         let mut alone: Vec<Instance> = (0..6).map(make).collect();
