@@ -9,7 +9,7 @@ use std::sync::Arc;
 use crumple::glam::Vec3;
 use crumple::{Aabb, ExampleSet, MeshData, Serial, SetOptions};
 use proptest::prelude::*;
-use scenes::{Level, Output, bowl, random_hits, sheet, small_bodies};
+use scenes::{Output, bowl, random_hits, sheet, small_bodies};
 
 fn contains(bounds: &Aabb, p: [f32; 3]) -> bool {
     Vec3::from_array(p).cmpge(bounds.min).all() && Vec3::from_array(p).cmple(bounds.max).all()
@@ -69,7 +69,7 @@ fn only_convex_pieces_that_a_dent_reaches_are_made_again() {
         assert_eq!(set.add_lod(piece(n), &Serial).unwrap(), n + 1);
     }
     let mut body = scenes::new(&Arc::new(set));
-    let mut pieces: Vec<Level> = (1..=PIECES * PIECES).map(|lod| Level::of(&mut body, lod)).collect();
+    let mut pieces: Vec<Output> = (1..=PIECES * PIECES).map(|lod| Output::fresh_level(&mut body, lod)).collect();
     let rest: Vec<_> = pieces.iter().map(|p| p.positions.clone()).collect();
 
     // A dent on the corner at which four pieces meet reaches these four alone.

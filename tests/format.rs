@@ -13,7 +13,7 @@ use crumple::{
     Blow, Deltas, Error, ErrorKind, ExampleData, ExampleSet, MeshData, Serial, SetOptions, Striker, ThreadPool,
     VertexMass,
 };
-use scenes::{Level, Output, new, random_hits};
+use scenes::{Output, new, random_hits};
 
 const HEADER: usize = 64;
 const ENTRY: usize = 32;
@@ -120,7 +120,7 @@ fn loaded_sets_are_the_saved_ones_bit_for_bit() {
         assert_eq!(a.marks().unwrap(), b.marks().unwrap(), "{name}");
         assert_eq!(Output::fresh(&mut a).all_bits(), Output::fresh(&mut b).all_bits(), "{name}");
         for lod in 1..set.lod_count() {
-            let [a, b] = [&mut a, &mut b].map(|instance| Level::of(instance, lod).positions);
+            let [a, b] = [&mut a, &mut b].map(|instance| Output::fresh_level(instance, lod).positions);
             assert_eq!(a, b, "{name} at level {lod}");
             let at_rest = set.lod_mesh(lod).unwrap().positions();
             assert!(a.iter().zip(at_rest).any(|(p, rest)| *p != rest.to_array()), "{name} at level {lod}");

@@ -10,7 +10,7 @@ use crumple::{
     DeformJob, Error, ErrorKind, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData, Rule, Serial,
     SetOptions, Tracker, VertexMemory, deform,
 };
-use scenes::{Dice, Level, ball, bowls, coincident, cube, length, new, push, random_hits, sheet};
+use scenes::{Dice, Output, ball, bowls, coincident, cube, length, new, push, random_hits, sheet};
 
 fn options(tolerance: Option<f32>) -> SetOptions {
     SetOptions { tolerance, ..SetOptions::default() }
@@ -45,8 +45,8 @@ fn a_level_that_is_the_base_mesh_moves_as_the_base_does() {
             let set = with_lods(mesh.clone(), examples, options(tolerance), std::slice::from_ref(&mesh));
             assert_eq!(set.report().lods[0].farthest, 0.0);
             let mut body = dented(&set, &hits(&set, 9));
-            let (base, lod) = (Level::of(&mut body, 0), Level::of(&mut body, 1));
-            assert_eq!(base.bits(), lod.bits(), "{tolerance:?}");
+            let (base, lod) = (Output::fresh_level(&mut body, 0), Output::fresh_level(&mut body, 1));
+            assert_eq!(base.position_bits(), lod.position_bits(), "{tolerance:?}");
             for (a, b) in base.normals.iter().zip(&lod.normals) {
                 // Slopes of the base mesh were fitted, those of the level follow from its rows.
                 assert!(length([a[0] - b[0], a[1] - b[1], a[2] - b[2]]) < 0.1, "{a:?} {b:?}");
@@ -88,7 +88,7 @@ fn vertices_between_follow_the_interpolated_displacement() {
         for e in set.examples() {
             let body = dented(&set, &[push(e.contact_point().into(), e.contact_displacement().into())]);
             let mut body = body;
-            let level = Level::of(&mut body, 1);
+            let level = Output::fresh_level(&mut body, 1);
             let delta = |v: usize| e.delta(v as u32).as_dvec3();
             for (p, q) in points.iter().zip(&level.positions) {
                 let wanted = interpolated(n, *p, &delta);
@@ -109,7 +109,7 @@ fn only_dirty_blocks_of_a_level_are_written() {
     let set = with_lods(mesh.clone(), bowls(&mesh, 6, 0.15, 2), options(None), &[mesh, sheet(12)]);
     let e = &set.examples()[0];
     let mut body = new(&set);
-    let mut levels: Vec<Level> = (0..3).map(|lod| Level::new(&set, lod)).collect();
+    let mut levels: Vec<Output> = (0..3).map(|lod| Output::level(&set, lod)).collect();
     for level in &mut levels {
         let all = level.positions.len() as u64;
         assert_eq!(level.update(&mut body).vertices_written, all);
@@ -128,7 +128,7 @@ fn only_dirty_blocks_of_a_level_are_written() {
         for v in 0..before.len() {
             assert_eq!(written(v), !level.positions[v][0].is_nan(), "{v}");
         }
-        let fresh = Level::of(&mut body, level.lod);
+        let fresh = Output::fresh_level(&mut body, level.lod);
         for (v, before) in before.iter().enumerate() {
             let now = if written(v) { &level.positions[v] } else { before };
             assert_eq!(now, &fresh.positions[v]);
@@ -142,20 +142,20 @@ fn all_levels_see_a_hit_whenever_they_are_deformed() {
     let mesh = ball(2);
     let set = with_lods(mesh.clone(), bowls(&mesh, 5, 0.5, 7), options(None), &[ball(1), ball(3)]);
     let mut body = new(&set);
-    let mut levels: Vec<Level> = (0..3).map(|lod| Level::new(&set, lod)).collect();
+    let mut levels: Vec<Output> = (0..3).map(|lod| Output::level(&set, lod)).collect();
     for (frame, hit) in random_hits(&set, 12, 5).iter().enumerate() {
         body.submit(hit).unwrap();
         levels[frame % 3].update(&mut body);
     }
     for level in &mut levels {
         level.update(&mut body);
-        assert_eq!(level.bits(), Level::of(&mut body, level.lod).bits());
+        assert_eq!(level.position_bits(), Output::fresh_level(&mut body, level.lod).position_bits());
     }
     // A tracker and its memory may change levels; then everything is written again.
-    let mut moved = Level::new(&set, 2);
+    let mut moved = Output::level(&set, 2);
     moved.tracker = levels[0].tracker.clone();
     assert_eq!(moved.update(&mut body).vertices_written, moved.positions.len() as u64);
-    assert_eq!(moved.bits(), levels[2].bits());
+    assert_eq!(moved.position_bits(), levels[2].position_bits());
     body.reset();
     levels[1].update(&mut body);
     assert_eq!(levels[1].positions, ball(1).positions);
@@ -170,8 +170,8 @@ fn seams_of_a_level_stay_closed() {
             assert!(groups.len() > 50);
             let set = with_lods(mesh.clone(), bowls(&mesh, 6, 0.6, 2), options(tolerance), &[lod]);
             let mut body = dented(&set, &hits(&set, 6));
-            let level = Level::of(&mut body, 1);
-            let bits = level.bits();
+            let level = Output::fresh_level(&mut body, 1);
+            let bits = level.position_bits();
             for g in &groups {
                 assert!(g.iter().all(|v| bits[*v] == bits[g[0]]), "{g:?}");
             }
@@ -254,8 +254,8 @@ fn thousands_of_vertices_at_one_place_bind_in_linear_time() {
     let set = with_lods(mesh.clone(), vec![dent], options(None), &[mesh, beside]);
     let mut body = Instance::new(set, InstanceOptions::default()).unwrap();
     body.inbox().submit(&push([0.0; 3], [0.0, 0.0, -0.1])).unwrap();
-    let levels = [0, 1, 2].map(|lod| Level::of(&mut body, lod));
+    let levels = [0, 1, 2].map(|lod| Output::fresh_level(&mut body, lod));
     assert!(levels[0].positions[0][2] < -0.05);
-    assert_eq!(levels[0].bits(), levels[1].bits());
+    assert_eq!(levels[0].position_bits(), levels[1].position_bits());
     assert!(levels[2].positions.iter().all(|p| *p == levels[2].positions[0]));
 }

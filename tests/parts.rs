@@ -6,7 +6,7 @@ mod scenes;
 use crumple::glam::Vec3;
 use crumple::{Error, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, MeshData, Rule, Serial, SetOptions};
 use proptest::prelude::*;
-use scenes::{Dice, Level, bowls, push, random_hit};
+use scenes::{Dice, Output, bowls, push, random_hit};
 use std::num::NonZeroU64;
 use std::sync::{Arc, OnceLock};
 
@@ -62,7 +62,7 @@ fn new() -> Instance {
 }
 
 fn vertices(body: &mut Instance, lod: usize) -> Vec<[f32; 3]> {
-    Level::of(body, lod).positions
+    Output::fresh_level(body, lod).positions
 }
 
 /// The vertices of a part as the base mesh has them.

@@ -421,9 +421,10 @@ pub fn random_hits(set: &ExampleSet, count: usize, seed: u64) -> Vec<Hit> {
     (0..count).map(|_| if dice.index(4) == 0 { few[dice.index(4)] } else { random_hit(set, &mut dice) }).collect()
 }
 
-/// Memory for all attributes of the mesh, and its tracker.
+/// Memory for all attributes of the mesh or of a level of detail, and its tracker.
 #[derive(Debug, Clone)]
 pub struct Output {
+    pub lod: usize,
     pub positions: Vec<[f32; 3]>,
     pub normals: Vec<[f32; 3]>,
     pub tangents: Vec<[f32; 4]>,
@@ -437,14 +438,20 @@ pub const POISON: f32 = -1.234e33;
 
 impl Output {
     pub fn new(set: &ExampleSet) -> Self {
-        let count = set.vertex_count();
+        Self::level(set, 0)
+    }
+
+    pub fn level(set: &ExampleSet, lod: usize) -> Self {
+        let mesh = set.lod_mesh(lod).unwrap();
+        let count = mesh.positions().len();
         Self {
+            lod,
             positions: vec![[POISON; 3]; count],
             normals: vec![[POISON; 3]; count],
             tangents: vec![[POISON; 4]; count],
             tracker: Tracker::new(),
-            has_normals: set.mesh().normals().is_some(),
-            has_tangents: set.mesh().tangents().is_some(),
+            has_normals: mesh.normals().is_some(),
+            has_tangents: mesh.tangents().is_some(),
         }
     }
 
@@ -456,8 +463,10 @@ impl Output {
     }
 
     pub fn update_with(&mut self, instance: &mut Instance, tasks: &dyn TaskSystem) -> DeformReport {
+        instance.fold();
+        let lod = self.lod;
         let (tracker, memory) = self.memory();
-        instance.deform(tracker, memory, tasks).unwrap()
+        deform(&mut [DeformJob { lod, instance, tracker, memory }], tasks).unwrap()
     }
 
     pub fn update(&mut self, instance: &mut Instance) -> DeformReport {
@@ -466,7 +475,11 @@ impl Output {
 
     /// A full evaluation of the instance into new memory.
     pub fn fresh(instance: &mut Instance) -> Self {
-        let mut output = Self::new(&instance.example_set().clone());
+        Self::fresh_level(instance, 0)
+    }
+
+    pub fn fresh_level(instance: &mut Instance, lod: usize) -> Self {
+        let mut output = Self::level(&instance.example_set().clone(), lod);
         output.update(instance);
         output
     }
@@ -481,6 +494,10 @@ impl Output {
     pub fn bits(&self, v: usize) -> [u32; 10] {
         let (p, n, t) = (self.positions[v], self.normals[v], self.tangents[v]);
         [p[0], p[1], p[2], n[0], n[1], n[2], t[0], t[1], t[2], t[3]].map(f32::to_bits)
+    }
+
+    pub fn position_bits(&self) -> Vec<[u32; 3]> {
+        self.positions.iter().map(|p| p.map(f32::to_bits)).collect()
     }
 
     pub fn all_bits(&self) -> Vec<[u32; 10]> {
@@ -586,37 +603,4 @@ pub fn key(mark: &crumple::Mark) -> Vec<u8> {
 /// FNV-1a: a hash that needs no crate and is the same on every platform.
 pub fn fnv(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(*b)).wrapping_mul(0x0000_0100_0000_01b3))
-}
-
-/// Positions and normals of one level, and the tracker of what they hold.
-pub struct Level {
-    pub lod: usize,
-    pub positions: Vec<[f32; 3]>,
-    pub normals: Vec<[f32; 3]>,
-    pub tracker: Tracker,
-}
-
-impl Level {
-    pub fn new(set: &ExampleSet, lod: usize) -> Self {
-        let n = set.lod_mesh(lod).unwrap().positions().len();
-        Level { lod, positions: vec![[0.0; 3]; n], normals: vec![[0.0; 3]; n], tracker: Tracker::new() }
-    }
-
-    pub fn update(&mut self, instance: &mut Instance) -> DeformReport {
-        instance.fold();
-        let has_normals = instance.example_set().lod_mesh(self.lod).unwrap().normals().is_some();
-        let normals = has_normals.then_some(self.normals.as_mut_slice());
-        let memory = VertexMemory::separate(&mut self.positions, normals, None).unwrap();
-        deform(&mut [DeformJob { lod: self.lod, instance, tracker: &mut self.tracker, memory }], &Serial).unwrap()
-    }
-
-    pub fn of(instance: &mut Instance, lod: usize) -> Self {
-        let mut level = Level::new(&instance.example_set().clone(), lod);
-        level.update(instance);
-        level
-    }
-
-    pub fn bits(&self) -> Vec<[u32; 3]> {
-        self.positions.iter().map(|p| p.map(f32::to_bits)).collect()
-    }
 }

@@ -9,9 +9,9 @@ use rapier3d::prelude::{
     ColliderBuilder, ColliderHandle, PhysicsWorld, Pose, RigidBodyBuilder, SharedShape, TriMesh, TriMeshFlags, Vector,
 };
 
-use crate::scenes::{self, Level, bowl, sheet};
+use crate::scenes::{self, Output, bowl, sheet};
 
-fn points(level: &Level) -> Vec<Vector> {
+fn points(level: &Output) -> Vec<Vector> {
     level.positions.iter().map(|p| Vector::from_array(*p)).collect()
 }
 
@@ -32,7 +32,7 @@ struct Scene {
 impl Scene {
     const STEP: f32 = 1.0 / 240.0;
 
-    fn new(proxy: &Level, triangles: &[[u32; 3]]) -> Self {
+    fn new(proxy: &Output, triangles: &[[u32; 3]]) -> Self {
         let mut world = PhysicsWorld { gravity: Vector::Z * -9.81, ..PhysicsWorld::default() };
         world.integration_parameters.dt = Self::STEP;
         let mesh = TriMesh::with_flags(points(proxy), triangles.to_vec(), TriMeshFlags::DEFORMABLE).unwrap();
@@ -71,7 +71,7 @@ fn a_second_ball_in_rapier_lands_on_the_metal_that_the_first_dented() {
     let set = plate();
     let options = InstanceOptions { compliance: Some(0.0025), ..InstanceOptions::default() };
     let mut body = Instance::new(set.clone(), options).unwrap();
-    let (mut base, mut proxy) = (Level::of(&mut body, 0), Level::of(&mut body, 1));
+    let (mut base, mut proxy) = (Output::fresh_level(&mut body, 0), Output::fresh_level(&mut body, 1));
     let triangles = set.lod_mesh(1).unwrap().triangles();
     let mut scene = Scene::new(&proxy, triangles);
 
