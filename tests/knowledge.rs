@@ -77,48 +77,6 @@ fn planes_survive_a_few_strays_but_no_more() {
     assert_eq!(with(4, 0.0013), 0b011);
 }
 
-/// The index of each vertex's mirror image.
-fn images(set: &ExampleSet, planes: Mirror) -> Vec<usize> {
-    let b = set.mesh().bounds();
-    let centre = (b.min + b.max) * 0.5;
-    let flip = mirrored(planes);
-    positions(set)
-        .iter()
-        .map(|p| set.nearest_vertex((centre + flip * (*p - centre)).to_array()).unwrap().vertex as usize)
-        .collect()
-}
-
-/// The factors that mirror a vector.
-fn mirrored(planes: Mirror) -> Vec3 {
-    Vec3::from_array([0, 1, 2].map(|k| if planes.bits() >> k & 1 == 1 { -1.0 } else { 1.0 }))
-}
-
-#[test]
-fn a_hit_at_the_mirrored_place_of_an_example_gives_its_mirrored_field() {
-    for (body, planes) in [("panel", vec![1, 2, 3]), ("tube", vec![1, 2, 3, 4, 5, 6, 7])] {
-        let (mesh, all) = scenes::solver(body, 3);
-        for e in &all {
-            let set = build(mesh.clone(), vec![e.clone()], SetOptions::default());
-            let e = &set.examples()[0];
-            let field: Vec<Vec3> = (0..set.vertex_count() as u32).map(|v| e.delta(v)).collect();
-            let options = InstanceOptions::default();
-            let own = push(e.contact_point().to_array(), e.contact_displacement().to_array());
-            let followed = relative_l2(&dent(&set, options, &own).0, &field);
-            assert!(followed < 0.02, "{body}: {followed}");
-            for planes in planes.iter().map(|p| Mirror::from_bits(*p)) {
-                let (image, flip) = (images(&set, planes), mirrored(planes));
-                let at = positions(&set)[image[e.contact_vertex() as usize]];
-                let hit = push(at.to_array(), (e.contact_displacement() * flip).to_array());
-                let (is, _) = dent(&set, options, &hit);
-                let mut ought = vec![Vec3::ZERO; is.len()];
-                image.iter().zip(&field).for_each(|(to, d)| ought[*to] = *d * flip);
-                let off = relative_l2(&is, &ought);
-                assert!(off < followed + 0.04, "{body}, {planes:?}: {off}, at its own place {followed}");
-            }
-        }
-    }
-}
-
 #[test]
 fn without_mirror_nothing_is_mirrored() {
     let options = SetOptions { mirror: false, ..SetOptions::default() };
