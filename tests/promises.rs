@@ -199,7 +199,7 @@ proptest! {
         // the contact moves as asked (on the cube, where normals at edges lie between faces: as reported), and no
         // vertex is much deeper
         let at_contact = moved(outcome.contact_vertex as usize);
-        let ought = if which == 2 { f64::from(length3(outcome.achieved)) } else { f64::from(depth) };
+        let ought = if which == 2 { f64::from(scenes::length(outcome.achieved)) } else { f64::from(depth) };
         prop_assert!((at_contact - ought).abs() <= 0.01 * ought, "{at_contact}, not {ought}");
         prop_assert!(at_contact >= 0.9 * moved(deepest), "contact {at_contact}, deepest {}", moved(deepest));
         // a bowl is round: no vertex outside its radius moves much, and every vertex well inside moves
@@ -823,7 +823,7 @@ fn quick_n_equal_hits_are_deeper_by_the_power_until_the_limit() {
         let normal = set.mesh().contact_normal(vertex as u32).unwrap();
         let hit = push(base(&set, vertex), (normal * -depth).to_array());
         let mut instance = new(&set);
-        let one = f64::from(length3(instance.preview(&hit).unwrap().achieved));
+        let one = f64::from(scenes::length(instance.preview(&hit).unwrap().achieved));
         let contact = instance.preview(&hit).unwrap().contact_vertex as usize;
         let limit = f64::from(set.depth_limit());
         for n in 1..=100u32 {
@@ -840,16 +840,12 @@ fn quick_n_equal_hits_are_deeper_by_the_power_until_the_limit() {
     }
 }
 
-fn length3(v: [f32; 3]) -> f32 {
-    Vec3::from_array(v).length()
-}
-
 fn check_own_contacts(set: &Arc<ExampleSet>) {
     for (i, e) in set.examples().iter().enumerate() {
         let mut instance = new(set);
         let hit = push(e.contact_point().to_array(), e.contact_displacement().to_array());
         let outcome = instance.submit(&hit).unwrap();
-        assert!(length3(outcome.shortfall()) <= 1e-3 * e.depth(), "{outcome:?}");
+        assert!(scenes::length(outcome.shortfall()) <= 1e-3 * e.depth(), "{outcome:?}");
         let out = Output::fresh(&mut instance);
         for v in 0..set.vertex_count() {
             let ought = (set.mesh().positions()[v] + e.delta(v as u32)).to_array();

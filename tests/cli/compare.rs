@@ -108,18 +108,9 @@ impl File {
     pub fn elements(&self, accessor: &Value) -> Option<Elements> {
         let accessor = &self.json["accessors"][number(accessor)?];
         let (component, kind) = (number(&accessor["componentType"])? as u64, accessor["type"].as_str()?.to_owned());
-        let width = match component {
-            5120 | 5121 => 1,
-            5122 | 5123 => 2,
-            _ => 4,
-        };
-        let components = match &*kind {
-            "SCALAR" => 1,
-            "VEC2" => 2,
-            "VEC3" => 3,
-            "VEC4" => 4,
-            _ => 16,
-        };
+        let width_of = |component: u64| [1, 1, 2, 2].get(component as usize - 5120).copied().unwrap_or(4);
+        let width = width_of(component);
+        let components = ["SCALAR", "VEC2", "VEC3", "VEC4"].iter().position(|k| *k == kind).map_or(16, |at| at + 1);
         let (size, count) = (width * components, number(&accessor["count"])?);
         let rows = |view: usize, offset: usize, size: usize, count: usize| -> Option<Vec<Vec<u8>>> {
             let bytes = self.view(view)?;
@@ -132,11 +123,7 @@ impl File {
         };
         if let Some(sparse) = accessor.get("sparse") {
             let (at, values, count) = (&sparse["indices"], &sparse["values"], number(&sparse["count"])?);
-            let wide = match number(&at["componentType"])? {
-                5121 => 1,
-                5123 => 2,
-                _ => 4,
-            };
+            let wide = width_of(number(&at["componentType"])? as u64);
             let offset = |of: &Value| number(&of["byteOffset"]).unwrap_or(0);
             let indices = rows(number(&at["bufferView"])?, offset(at), wide, count)?;
             for (i, value) in indices.iter().zip(rows(number(&values["bufferView"])?, offset(values), size, count)?) {

@@ -52,20 +52,21 @@ impl Glb {
 
     /// Vertex indices in components of 1, 2 or 4 bytes.
     pub fn indices(&mut self, width: usize, values: &[u32]) -> usize {
-        let raw: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()[..width].to_vec()).collect();
-        let view = self.view(&raw);
-        let component = [5121, 5123, 0, 5125][width - 1];
+        let (view, component) = self.components(width, values);
         self.push(
             "accessors",
             json!({ "bufferView": view, "componentType": component, "count": values.len(), "type": "SCALAR" }),
         )
     }
 
+    fn components(&mut self, width: usize, values: &[u32]) -> (usize, u32) {
+        let raw: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()[..width].to_vec()).collect();
+        (self.view(&raw), [5121, 5123, 0, 5125][width - 1])
+    }
+
     /// Sparse over `base` (zeros where there is none).
     pub fn sparse(&mut self, count: usize, base: Option<usize>, width: usize, at: &[u32], values: &[f32]) -> usize {
-        let raw: Vec<u8> = at.iter().flat_map(|v| v.to_le_bytes()[..width].to_vec()).collect();
-        let (indices, values) = (self.view(&raw), self.view(&bytes(values)));
-        let component = [5121, 5123, 0, 5125][width - 1];
+        let ((indices, component), values) = (self.components(width, at), self.view(&bytes(values)));
         let mut accessor = json!({
             "componentType": 5126, "count": count, "type": "VEC3",
             "sparse": {
