@@ -521,7 +521,7 @@ proptest! {
 
     #[test]
     fn any_sequence_leaves_what_a_fresh_evaluation_gives(
-        body in any_body(), seed in any::<u64>(), steps in 1usize..40, capacity in prop_oneof![1u32..9, Just(40)], classic in any_rule(),
+        body in any_body(), seed in any::<u64>(), steps in 1usize..30, capacity in prop_oneof![1u32..9, Just(40)], classic in any_rule(),
     ) {
         let (_, set) = body;
         let mut dice = Dice::new(seed);
@@ -636,7 +636,7 @@ proptest! {
     #![proptest_config(scenes::cases(24))]
 
     #[test]
-    fn damage_survives_save_set_and_copy(body in any_body(), count in 0usize..200, seed in any::<u64>(), classic in any_rule()) {
+    fn damage_survives_save_set_and_copy_but_no_reset(body in any_body(), count in 0usize..200, seed in any::<u64>(), classic in any_rule()) {
         let (_, set) = body;
         let options = either_rule(classic);
         let mut instance = dented(set, options, &random_hits(set, count.min(if classic.is_some() { 20 } else { count }), seed));
@@ -660,6 +660,13 @@ proptest! {
             prop_assert!(Output::fresh(&mut other).all_bits() == reference);
         }
         prop_assert!(instance.save() == bytes, "reading changes nothing");
+        // A reset forgets all, hits that wait too.
+        instance.submit(&random_hits(set, 1, seed)[0]).unwrap();
+        instance.reset();
+        let (mut untouched, out) = (with(set, options), Output::fresh(&mut instance));
+        prop_assert!(instance.save() == untouched.save());
+        prop_assert!(out.all_bits() == Output::fresh(&mut untouched).all_bits());
+        prop_assert!((0..set.vertex_count()).all(|v| bits(out.positions[v]) == bits(base(set, v))));
     }
 
     #[test]
@@ -698,23 +705,6 @@ proptest! {
         for (b, a) in before.iter().zip(after) {
             let ought = b.energy as f64 * f64::from(keep).powf(2.4);
             prop_assert!((a.energy as f64 - ought).abs() <= 1.0 + 1e-9 * ought);
-        }
-    }
-
-    #[test]
-    fn a_reset_is_as_new(body in any_body(), seed in any::<u64>(), classic in any_rule()) {
-        let (_, set) = body;
-        let options = either_rule(classic);
-        let (mut instance, mut untouched) = (dented(set, options, &random_hits(set, 20, seed)), with(set, options));
-        let empty = untouched.save();
-        instance.fold();
-        instance.submit(&random_hits(set, 1, seed)[0]).unwrap();
-        instance.reset();
-        prop_assert!(instance.save() == empty);
-        let out = Output::fresh(&mut instance);
-        prop_assert!(out.all_bits() == Output::fresh(&mut untouched).all_bits());
-        for v in 0..set.vertex_count() {
-            prop_assert_eq!(bits(out.positions[v]), bits(base(set, v)));
         }
     }
 }
