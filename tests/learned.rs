@@ -43,16 +43,12 @@ static TWENTY: LazyLock<Arc<ExampleSet>> = LazyLock::new(|| Soft::new().set(20))
 
 /// A set with as many nodes as a hundredth of the depth limit needs.
 fn learned(mesh: &MeshData, examples: Vec<ExampleData>, options: SetOptions) -> Arc<ExampleSet> {
-    let deepest = examples.iter().map(deepest).fold(0.0, f32::max);
+    let moved = examples.iter().flat_map(|e| scenes::field(e, mesh.positions.len()));
+    let deepest = moved.map(|u| u.length()).fold(0.0, f32::max);
     let options = SetOptions { basis: Some(BasisOptions::new(0.01 * deepest)), ..options };
     let set = ExampleSet::build(mesh.clone(), examples, options, &ThreadPool::new(2).unwrap()).unwrap();
     assert_eq!(set.example_errors().len(), set.examples().len());
     Arc::new(set)
-}
-
-fn deepest(e: &ExampleData) -> f32 {
-    let crumple::Deltas::Sparse { values, .. } = &e.positions else { return 0.0 };
-    values.iter().map(|u| scenes::length(*u)).fold(0.0, f32::max)
 }
 
 fn hit(set: &ExampleSet, vertex: u32, energy: f32) -> Hit {

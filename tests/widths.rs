@@ -3,10 +3,8 @@
 
 mod scenes;
 
-use crumple::glam::{DVec3, Vec3};
-use crumple::{
-    Deltas, ExampleData, Hit, Instance, Serial, SetOptions, SimdLevel, TaskSystem, ThreadPool, Tracker, VertexMemory,
-};
+use crumple::glam::Vec3;
+use crumple::{Hit, Instance, Serial, SetOptions, SimdLevel, TaskSystem, ThreadPool, Tracker, VertexMemory};
 use scenes::{Dice, new, random_hits};
 
 fn written(instance: &mut Instance, normals: bool, tasks: &dyn TaskSystem) -> Vec<u32> {
@@ -67,12 +65,12 @@ fn no_vertex_is_further_off_than_the_tolerance() {
             let options = SetOptions { tolerance: Some(tolerance), depth_limit: Some(10.0), ..SetOptions::default() };
             let set = scenes::build(mesh.clone(), examples.clone(), options);
             for (i, source) in examples.iter().enumerate() {
-                let truth = displacements(source, set.vertex_count());
+                let truth = scenes::field(source, set.vertex_count());
                 let e = &set.examples()[i];
                 if e.is_empty() {
                     continue;
                 }
-                let off = |(v, d): (usize, &DVec3)| (e.delta(v as u32).as_dvec3() - *d).length();
+                let off = |(v, d): (usize, &Vec3)| e.delta(v as u32).as_dvec3().distance(d.as_dvec3());
                 let worst = truth.iter().enumerate().map(off).fold(0.0, f64::max);
                 assert!(worst <= f64::from(tolerance) + 1e-9, "{body} {i}: {worst} > {tolerance}");
             }
@@ -95,18 +93,6 @@ fn contacts_are_not_rounded() {
                 let outcome = new(&set).submit(&hit).unwrap();
                 assert!(!outcome.clamped && Vec3::from(outcome.shortfall()).length() <= tolerance + 1e-3 * b.depth());
             }
-        }
-    }
-}
-
-fn displacements(e: &ExampleData, n: usize) -> Vec<DVec3> {
-    let vector = |d: &[f32; 3]| Vec3::from(*d).as_dvec3();
-    match &e.positions {
-        Deltas::Full(d) => d.iter().map(vector).collect(),
-        Deltas::Sparse { indices, values } => {
-            let mut out = vec![DVec3::ZERO; n];
-            indices.iter().zip(values).for_each(|(v, d)| out[*v as usize] = vector(d));
-            out
         }
     }
 }

@@ -273,6 +273,18 @@ pub fn bowl(mesh: &MeshData, contact: u32, depth: f32, radius: f32) -> ExampleDa
     }
 }
 
+/// What an example moves each of `count` vertices by, m.
+pub fn field(example: &ExampleData, count: usize) -> Vec<Vec3> {
+    match &example.positions {
+        Deltas::Full(values) => values.iter().map(|u| Vec3::from(*u)).collect(),
+        Deltas::Sparse { indices, values } => {
+            let mut field = vec![Vec3::ZERO; count];
+            indices.iter().zip(values).for_each(|(v, u)| field[*v as usize] = Vec3::from(*u));
+            field
+        }
+    }
+}
+
 /// `count` vertices spread over the body, each the furthest from all before it.
 pub fn spread(positions: &[[f32; 3]], count: usize, first: usize) -> Vec<u32> {
     let mut chosen = vec![first as u32];
