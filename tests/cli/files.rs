@@ -101,6 +101,7 @@ fn copy(from: &Path, to: &Path) {
 }
 
 #[test]
+#[cfg_attr(windows, ignore = "a hundred runs of the command take long under Wine")]
 fn files_as_people_have_them() {
     let folders =
         std::fs::read_dir(asset("tests/files")).unwrap().map(|e| e.unwrap().path()).filter(|path| path.is_dir());
