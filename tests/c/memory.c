@@ -1,7 +1,10 @@
-// How much memory loading takes, how often a hit allocates, and that frames without hits allocate nothing.
+// How much memory loading takes, how often a hit allocates, and that frames without hits and resting contacts allocate nothing.
 #include "heap.h"
 #include "support.h"
 
+#include <crumple_contacts.h>
+
+static Heap heap;
 static Sheet sheet;
 static unsigned char baked[1 << 20];
 static size_t baked_size;
@@ -31,13 +34,8 @@ static void check_steady_frames(void) {
     def.set = set;
     def.mark_capacity = 16;
     OK(crumple_instance_create(context, &def, &body));
-    CrumpleHostBufferDef memory = crumple_host_buffer_def_default();
-    CrumpleBuffer buffer;
+    CrumpleBuffer buffer = make_buffer(context, body, host_def(vertices, VERTICES, 10));
     CrumpleBufferInfo changed[1];
-    memory.positions = stream_of(vertices, sizeof vertices, 0, 40);
-    memory.normals = stream_of(vertices, sizeof vertices, 12, 40);
-    memory.tangents = stream_of(vertices, sizeof vertices, 24, 40);
-    OK(crumple_buffer_register_host(context, body, &memory, &buffer));
     CrumpleRange ranges[16];
     CrumpleAabb bounds;
     uint32_t buffers, count;
@@ -73,8 +71,35 @@ static void check_steady_frames(void) {
     OK(crumple_context_destroy(context));
 }
 
+// Once as many points came in a step, steps ask for no memory.
+static void check_resting_contacts(void) {
+    CrumpleContext *context = make_context(1);
+    CrumpleExampleSet set;
+    CrumpleContactPointDef points[100];
+    unsigned long before = 0;
+    OK(crumple_example_set_create(context, &sheet.def, &set));
+    const CrumpleInstance body = make_instance(context, set);
+    for (int i = 0; i < 100; ++i) {
+        points[i] = crumple_contact_point_def_default();
+        points[i].pair = (uint64_t)(i / 4);
+        points[i].bodies[0] = body;
+        points[i].point = vec3(0.01f * (float)(i % 4), 0, 0.075f);
+        points[i].normal = vec3(0, 0, 1);
+        points[i].has_velocity = true;
+        points[i].velocity = vec3(0, 0, -0.16f);
+        points[i].impulse = 0.3f;
+    }
+    for (int step = 0; step < 104; ++step) {
+        if (step == 4) before = heap.calls;
+        OK(crumple_context_report_contacts(context, points, 100));
+        OK(crumple_context_step_contacts(context, 1.0f / 60, NULL));
+    }
+    FACT(heap.calls == before);
+    OK(crumple_context_destroy(context));
+}
+
 int main(void) {
-    if (!use_heap()) {
+    if (!use_heap(&heap)) {
         printf("this build has no host allocator\n");
         return 0;
     }
@@ -86,6 +111,7 @@ int main(void) {
     OK(crumple_context_destroy(context));
     check_peaks();
     check_steady_frames();
+    check_resting_contacts();
     FACT(heap.blocks == 0);
     printf("%u checks\n", checks);
     return 0;

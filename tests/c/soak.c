@@ -10,20 +10,14 @@
 
 enum { MOST_BODIES = 1000 };
 
-// --- Bodies.
-
+static Heap heap;
 static Sheet sheet;
 static float vertices[MOST_BODIES + 1][VERTICES][10];
 static CrumpleInstance bodies[MOST_BODIES];
 
 static CrumpleInstance make_body(CrumpleContext *context, CrumpleExampleSet set, unsigned at) {
     CrumpleInstance body = make_instance(context, set);
-    CrumpleHostBufferDef def = crumple_host_buffer_def_default();
-    CrumpleBuffer buffer;
-    def.positions = stream_of(vertices[at], sizeof vertices[at], 0, 40);
-    def.normals = stream_of(vertices[at], sizeof vertices[at], 12, 40);
-    def.tangents = stream_of(vertices[at], sizeof vertices[at], 24, 40);
-    OK(crumple_buffer_register_host(context, body, &def, &buffer));
+    make_buffer(context, body, host_def(vertices[at], VERTICES, 10));
     return body;
 }
 
@@ -51,7 +45,7 @@ int main(int argc, char **argv) {
     const unsigned count = argc > 2 ? (unsigned)atoi(argv[2]) : 16;
     if (argc > 3) dice_state = strtoull(argv[3], NULL, 10);
     FACT(wanted > 0 && count > 0 && count <= MOST_BODIES);
-    use_heap();
+    use_heap(&heap);
     make_sheet(&sheet);
     CrumpleContext *context = make_context(1);
     CrumpleExampleSet set;

@@ -61,7 +61,10 @@ static inline int keeps(const void *memory, size_t size) {
     return 1;
 }
 
-enum { SIDE = 25, VERTICES = SIDE * SIDE, INDICES = (SIDE - 1) * (SIDE - 1) * 6, EXAMPLES = 3 };
+#ifndef SHEET_SIDE
+#define SHEET_SIDE 25
+#endif
+enum { SIDE = SHEET_SIDE, VERTICES = SIDE * SIDE, INDICES = (SIDE - 1) * (SIDE - 1) * 6, EXAMPLES = 3 };
 
 typedef struct Sheet {
     float positions[VERTICES][3], normals[VERTICES][3], tangents[VERTICES][4];
@@ -152,6 +155,22 @@ static inline CrumpleInstance make_instance(CrumpleContext *context, CrumpleExam
     CrumpleInstance instance;
     OK(crumple_instance_create(context, &def, &instance));
     return instance;
+}
+
+// Memory for vertices, interleaved: positions (3 floats), with normals (6), with tangents (10).
+static inline CrumpleHostBufferDef host_def(void *memory, size_t vertices, size_t floats) {
+    CrumpleHostBufferDef def = crumple_host_buffer_def_default();
+    const size_t stride = 4 * floats, size = vertices * stride;
+    def.positions = stream_of(memory, size, 0, stride);
+    if (floats >= 6) def.normals = stream_of(memory, size, 12, stride);
+    if (floats >= 10) def.tangents = stream_of(memory, size, 24, stride);
+    return def;
+}
+
+static inline CrumpleBuffer make_buffer(CrumpleContext *context, CrumpleInstance instance, CrumpleHostBufferDef def) {
+    CrumpleBuffer buffer;
+    OK(crumple_buffer_register_host(context, instance, &def, &buffer));
+    return buffer;
 }
 
 static inline CrumpleHitDef displacement_at(float x, float y, float depth) {

@@ -11,6 +11,7 @@ enum { BODIES = 16, FLOATS = 10, WARM_UP = 3000 };
 
 static Sheet sheet;
 static float vertices[BODIES][VERTICES][FLOATS];
+
 // Loads more and more marks that differ in their depths: all at one vertex, or spread over the sheet.
 static void load_marks(CrumpleContext *context, CrumpleExampleSet set, int most) {
     static CrumpleMark marks[4096];
@@ -53,12 +54,7 @@ int main(int argc, char **argv) {
     OK(crumple_example_set_create(context, &sheet.def, &set));
     for (int i = 0; i < BODIES; ++i) {
         bodies[i] = make_instance(context, set);
-        CrumpleHostBufferDef def = crumple_host_buffer_def_default();
-        CrumpleBuffer buffer;
-        def.positions = stream_of(vertices[i], sizeof vertices[i], 0, 4 * FLOATS);
-        def.normals = stream_of(vertices[i], sizeof vertices[i], 12, 4 * FLOATS);
-        def.tangents = stream_of(vertices[i], sizeof vertices[i], 24, 4 * FLOATS);
-        OK(crumple_buffer_register_host(context, bodies[i], &def, &buffer));
+        make_buffer(context, bodies[i], host_def(vertices[i], VERTICES, FLOATS));
     }
     for (unsigned long long i = 0; i < warm_up + frames; ++i) {
         if (i == warm_up) start_measuring(&hit), start_measuring(&frame), start_measuring(&idle);

@@ -3,6 +3,8 @@
 #include "heap.h"
 #include "vulkan_support.h"
 
+static Heap heap;
+
 enum { BODIES = 300, HITS = 4, BODY = VERTICES * 12 };
 
 static CrumpleContext *context;
@@ -23,16 +25,10 @@ static CrumpleResult register_body(int i) {
     return crumple_buffer_register_vulkan(context, bodies[i], &def, &buffer);
 }
 
-static void register_on_host(int i) {
-    CrumpleHostBufferDef def = crumple_host_buffer_def_default();
-    def.positions = stream_of(wanted[i], BODY, 0, 12);
-    OK(crumple_buffer_register_host(context, bodies[i], &def, &on_host[i]));
-}
-
 int main(void) {
     Host host;
     CrumpleExampleSet set;
-    if (!use_heap()) {
+    if (!use_heap(&heap)) {
         printf("this build has no host allocator\n");
         return 0;
     }
@@ -42,7 +38,7 @@ int main(void) {
     OK(crumple_example_set_create(context, &sheet.def, &set));
     for (int i = 0; i < BODIES; ++i) {
         bodies[i] = make_instance(context, set);
-        register_on_host(i);
+        on_host[i] = make_buffer(context, bodies[i], host_def(wanted[i], VERTICES, 3));
     }
     vertices = host_buffer(&host, BODIES * BODY, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, true);
 

@@ -89,12 +89,7 @@ static CrumpleVulkanBufferDef buffer_def(const HostBuffer *vertices) {
 static inline void expect_vertices(const Host *host, const HostBuffer *vertices, CrumpleContext *context, CrumpleInstance instance) {
     static float wanted[VERTICES][FLOATS];
     const unsigned char *bytes = (const unsigned char *)vertices->data;
-    CrumpleHostBufferDef def = crumple_host_buffer_def_default();
-    CrumpleBuffer buffer;
-    def.positions = stream_of(wanted, sizeof wanted, 0, STRIDE);
-    def.normals = stream_of(wanted, sizeof wanted, 12, STRIDE);
-    def.tangents = stream_of(wanted, sizeof wanted, 24, STRIDE);
-    OK(crumple_buffer_register_host(context, instance, &def, &buffer));
+    CrumpleBuffer buffer = make_buffer(context, instance, host_def(wanted, VERTICES, FLOATS));
     OK(crumple_context_deform(context, &buffer, 1, NULL));
     OK(crumple_buffer_unregister(context, buffer));
     FACT(keeps(bytes, GUARD) && keeps(bytes + GUARD + RANGE, GUARD));

@@ -1,4 +1,7 @@
-// The C++ owners: moves, releases, the order of destruction, errors with and without exceptions.
+// The C++ owners: moves, releases, the order of destruction, errors with and without exceptions. The headers may be included twice and in any
+// order, and need nothing before them.
+#include <crumple.hpp>
+#include <crumple.h>
 #include <crumple.hpp>
 
 extern "C" {
@@ -7,7 +10,12 @@ extern "C" {
 
 #include <cstring>
 #include <memory>
+#include <type_traits>
 #include <vector>
+
+static_assert(std::is_standard_layout_v<CrumpleExampleSetDef> && std::is_trivial_v<CrumpleExampleSetDef>);
+static_assert(std::is_nothrow_move_constructible_v<crumple::Context> && !std::is_copy_constructible_v<crumple::Context>);
+static_assert(std::is_nothrow_move_assignable_v<crumple::Instance> && !std::is_copy_assignable_v<crumple::Instance>);
 
 int main() {
     auto sheet = std::make_unique<Sheet>();

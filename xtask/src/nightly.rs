@@ -24,16 +24,12 @@ const TOO_LONG: [&str; 2] = ["--skip", "a_slot_is_retired"];
 /// would be reported.
 const C_PROGRAMS: &[(&str, &[&str])] = &[
     ("allocator", &[]),
-    ("bad_files", &["FIXTURES/two_materials.glb", "."]),
     ("bad_input", &[]),
-    ("baked", &["."]),
-    ("damage", &[]),
-    ("graph", &[]),
-    ("lod", &[]),
-    ("many", &[]),
+    ("bodies", &[]),
+    ("buffers", &[]),
+    ("files", &["FIXTURES/two_materials.glb", "."]),
     ("memory", &[]),
     ("soak", &["2"]),
-    ("tasks", &[]),
     ("threads", &[]),
     ("times", &["300"]),
 ];

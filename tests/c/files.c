@@ -1,0 +1,180 @@
+// Paths, texts and bytes of files: files GLB FOLDER. What files may say wrongly is in tests/format.rs, import_broken.rs and import_obj.rs.
+#include "support.h"
+
+#include <crumple_import.h>
+
+static CrumpleContext *context;
+static CrumpleExampleSet set; // out_set of calls that fail
+static const char *folder;
+
+static const char *path_of(const char *name) {
+    static char path[4096];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    return path;
+}
+
+static void write_file(const char *name, const void *bytes, size_t size) {
+    FILE *file = fopen(path_of(name), "wb");
+    FACT(file && fwrite(bytes, 1, size, file) == size && fclose(file) == 0);
+}
+
+// The loaded set is the saved one, and is destroyed.
+static void same(uint64_t fingerprint, CrumpleExampleSet loaded) {
+    CrumpleExampleSetInfo info;
+    OK(crumple_example_set_get_info(context, loaded, &info));
+    FACT(info.fingerprint == fingerprint && info.example_count == EXAMPLES);
+    OK(crumple_example_set_destroy(context, loaded));
+}
+
+static void baked(void) {
+    static Sheet sheet;
+    CrumpleExampleSet saved, loaded;
+    CrumpleExampleSetInfo info;
+    size_t size, again;
+    make_sheet(&sheet);
+    sheet.def.options.bake_tolerance = 1e-4f;
+    OK(crumple_example_set_create(context, &sheet.def, &saved));
+    OK(crumple_example_set_get_info(context, saved, &info));
+    OK(crumple_example_set_save_baked(context, saved, NULL, 0, &size));
+    // Of exactly this size and at a multiple of 16, and at an odd address.
+    unsigned char *bytes = malloc(size), *shifted = malloc(size + 1);
+    FAILS(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "data", crumple_example_set_save_baked(context, saved, bytes, size - 1, &again));
+    FACT(again == size);
+    FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "data", again, crumple_example_set_save_baked(context, saved, NULL, size, &again));
+    FAILS(CRUMPLE_ERROR_NULL_POINTER, "out_size", crumple_example_set_save_baked(context, saved, bytes, size, NULL));
+    OK(crumple_example_set_save_baked(context, saved, bytes, size, &again));
+    FACT(again == size);
+    OK(crumple_example_set_destroy(context, saved));
+
+    memcpy(shifted + 1, bytes, size);
+    OK(crumple_example_set_load_baked_memory(context, shifted + 1, size, CRUMPLE_BYTES_COPY, &loaded));
+    free(shifted);
+    same(info.fingerprint, loaded);
+    write_file("sheet.crumple", bytes, size);
+    OK(crumple_example_set_load_baked(context, path_of("sheet.crumple"), &loaded));
+    same(info.fingerprint, loaded);
+    remove(path_of("sheet.crumple"));
+    FAILS_KEEPING(CRUMPLE_ERROR_IO, "sheet.crumple", set, crumple_example_set_load_baked(context, path_of("sheet.crumple"), &set));
+    FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "path", set, crumple_example_set_load_baked(context, NULL, &set));
+    write_file("first_dent.crumple", bytes, size); // the test first_dent loads it
+
+    FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "data", set, crumple_example_set_load_baked_memory(context, NULL, size, CRUMPLE_BYTES_COPY, &set));
+    FAILS(CRUMPLE_ERROR_NULL_POINTER, "out_set", crumple_example_set_load_baked_memory(context, bytes, size, CRUMPLE_BYTES_COPY, NULL));
+    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "bytes", set, crumple_example_set_load_baked_memory(context, bytes, size, (CrumpleBytes)7, &set));
+    FAILS_KEEPING(CRUMPLE_ERROR_FORMAT, "0 bytes", set, crumple_example_set_load_baked_memory(context, NULL, 0, CRUMPLE_BYTES_KEEP, &set));
+    // Kept bytes are needed as long as instances are, not only as long as the id. After that nothing looks at them, which valgrind and the
+    // sanitizers would tell.
+    OK(crumple_example_set_load_baked_memory(context, bytes, size, CRUMPLE_BYTES_KEEP, &loaded));
+    CrumpleInstance instance = make_instance(context, loaded);
+    same(info.fingerprint, loaded);
+    CrumpleHitDef hit = displacement_at(0.1f, 0.05f, 0.04f);
+    OK(crumple_instance_submit_hit(context, instance, &hit, NULL));
+    OK(crumple_instance_destroy(context, instance));
+    memset(bytes, 0xCD, size);
+    free(bytes);
+}
+
+static void gltf(const char *path) {
+    CrumpleGltfDef def = crumple_gltf_def_default();
+    CrumpleExampleSet loaded;
+    CrumpleExampleSetInfo info;
+    CrumplePart told;
+    uint32_t part = 0;
+    size_t size;
+    static unsigned char bytes[1 << 16];
+    FILE *file = fopen(path, "rb");
+    FACT(file && (size = fread(bytes, 1, sizeof bytes, file)) > 0 && size < sizeof bytes && fclose(file) == 0);
+    OK(crumple_example_set_load_gltf_memory(context, bytes, size, &def, &loaded));
+    OK(crumple_example_set_get_info(context, loaded, &info));
+    FACT(info.vertex_count > 0 && info.example_count > 0 && info.primitive_count > 0 && info.name != NULL);
+    // Nothing behind the given size is read.
+    unsigned char *cut = malloc(size - 1);
+    memcpy(cut, bytes, size - 1);
+    FAILS_KEEPING(CRUMPLE_ERROR_FORMAT, "bytes", set, crumple_example_set_load_gltf_memory(context, cut, size - 1, &def, &set));
+    free(cut);
+    FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "data", set, crumple_example_set_load_gltf_memory(context, NULL, 10, &def, &set));
+
+    // A body of its nodes. Patterns are one a line.
+    def.path = path;
+    def.nodes = "Pl?te\r\n";
+    def.glass = "Plate";
+    OK(crumple_example_set_load_gltf(context, &def, &loaded));
+    OK(crumple_example_set_get_info(context, loaded, &info));
+    OK(crumple_example_set_find_part(context, loaded, "Plate", &part));
+    FACT(info.lod_count == 2 && part == 1);
+    OK(crumple_example_set_get_part(context, loaded, part, &told));
+    FACT(strcmp(told.name, "Plate") == 0 && told.kind == CRUMPLE_PART_KIND_GLASS);
+    FACT(told.first_vertex == 0 && told.vertex_count == info.vertex_count);
+    FACT(told.first_triangle == 0 && told.triangle_count == info.triangle_count);
+    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "part is 0", told, crumple_example_set_get_part(context, loaded, 0, &told));
+    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "1 to 1", told, crumple_example_set_get_part(context, loaded, 2, &told));
+    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "Plate", part, crumple_example_set_find_part(context, loaded, "Bumper", &part));
+    def.nodes = "!nothing of that name\nPl?te";
+    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "nothing of that name", set, crumple_example_set_load_gltf(context, &def, &set));
+    def.nodes = NULL;
+    def.targets = "no such target";
+    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "no such target", set, crumple_example_set_load_gltf(context, &def, &set));
+
+    def = crumple_gltf_def_default();
+    FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "def.path", set, crumple_example_set_load_gltf(context, &def, &set));
+    def.path = folder;
+    FAILS_KEEPING(CRUMPLE_ERROR_IO, folder, set, crumple_example_set_load_gltf(context, &def, &set));
+    def.path = path;
+    def.mesh_name = "no such mesh";
+    FAILS_KEEPING(CRUMPLE_ERROR_FORMAT, "no such mesh", set, crumple_example_set_load_gltf(context, &def, &set));
+    def.mesh_name = "\xff\xfe";
+    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ARGUMENT, "UTF-8", set, crumple_example_set_load_gltf(context, &def, &set));
+    def.mesh_name = NULL;
+    def.mesh_index = 1000;
+    FAILS_KEEPING(CRUMPLE_ERROR_FORMAT, "1000", set, crumple_example_set_load_gltf(context, &def, &set));
+}
+
+static void obj(void) {
+    static const char flat[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n", bent[] = "v 0 0 -0.1\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
+    CrumpleObjDef def = crumple_obj_def_default();
+    CrumpleExampleSet loaded;
+    CrumpleExampleSetInfo info;
+    CrumpleExampleInfo example;
+    char base[4096], dent[4096];
+    const char *paths[2] = {dent, NULL};
+    write_file("base.obj", flat, sizeof flat - 1);
+    write_file("dent.obj", bent, sizeof bent - 1);
+    strcpy(base, path_of("base.obj"));
+    strcpy(dent, path_of("dent.obj"));
+    def.base_path = base;
+    def.example_paths = paths;
+    def.example_count = 1;
+    OK(crumple_example_set_load_obj(context, &def, &loaded));
+    OK(crumple_example_set_get_info(context, loaded, &info));
+    OK(crumple_example_set_get_example(context, loaded, 0, &example));
+    FACT(info.vertex_count == 4 && info.triangle_count == 2 && strcmp(example.name, "dent") == 0);
+    def.example_count = 2;
+    FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "def.example_paths[1]", set, crumple_example_set_load_obj(context, &def, &set));
+    def.example_paths = NULL;
+    FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "def.example_paths", set, crumple_example_set_load_obj(context, &def, &set));
+    def.base_path = NULL;
+    FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "def.base_path", set, crumple_example_set_load_obj(context, &def, &set));
+    def.struct_size = 1;
+    FAILS_KEEPING(CRUMPLE_ERROR_STRUCT_SIZE, "crumple_obj_def_default", set, crumple_example_set_load_obj(context, &def, &set));
+}
+
+int main(int count, char **arguments) {
+    CrumpleGltfDef gltf_def = crumple_gltf_def_default();
+    CrumpleObjDef obj_def = crumple_obj_def_default();
+    FACT(count == 3);
+    gltf_def.path = obj_def.base_path = arguments[1];
+    folder = arguments[2];
+    context = make_context(1);
+    baked();
+    if (crumple_features() & CRUMPLE_FEATURE_GLTF)
+        gltf(arguments[1]);
+    else
+        FAILS(CRUMPLE_ERROR_UNSUPPORTED, "gltf", crumple_example_set_load_gltf(context, &gltf_def, &set));
+    if (crumple_features() & CRUMPLE_FEATURE_OBJ)
+        obj();
+    else
+        FAILS(CRUMPLE_ERROR_UNSUPPORTED, "obj", crumple_example_set_load_obj(context, &obj_def, &set));
+    OK(crumple_context_destroy(context));
+    printf("%u checks\n", checks);
+    return 0;
+}
