@@ -1,78 +1,71 @@
 // Whatever an engine hands to the Vulkan calls by mistake gets an error that names it, changes nothing, and all goes on. Layouts of
-// buffers that are refused are in tests/gpu/refusals.rs, other devices and recordings in tests/vulkan/errors.rs.
+// buffers that are refused are in tests/gpu/refusals.rs, other devices and recordings in tests/vulkan/errors.rs, other memory in
+// tests/vulkan/import.rs. Recordings without changes allocate nothing, and nothing is left behind.
+#include "heap.h"
 #include "vulkan_support.h"
+#ifdef SHARES_FILE_DESCRIPTORS
+#include "vulkan_export.h"
+
+#include <unistd.h>
+#endif
 
 #include <crumple_parts.h>
 
 #include <pthread.h>
 
+static Heap heap;
 static Host host;
 static CrumpleContext *context;
 static CrumpleInstance body;
 static HostBuffer vertices;
+
+static const CrumpleResult INVALID = CRUMPLE_ERROR_INVALID_ARGUMENT, NULL_POINTER = CRUMPLE_ERROR_NULL_POINTER;
 
 static void unattached(void) {
     CrumpleVulkanBufferDef def = buffer_def(&vertices);
     CrumpleBuffer buffer;
     size_t size;
     const char *why = "no Vulkan device is attached; crumple_vulkan_attach()";
-    const CrumpleResult invalid = CRUMPLE_ERROR_INVALID_ARGUMENT;
-    FAILS(invalid, why, crumple_buffer_register_vulkan(context, body, &def, &buffer));
-    FAILS(invalid, why, crumple_vulkan_record(context, &host, 1, NULL, 0, NULL));
-    FAILS(invalid, why, crumple_vulkan_complete_frames(context, 1));
-    FAILS(invalid, why, crumple_vulkan_discard_frames(context, 1));
-    FAILS(invalid, why, crumple_vulkan_get_pipeline_cache(context, NULL, 0, &size));
-    FAILS(invalid, why, crumple_vulkan_detach(context));
+    FAILS(INVALID, why, crumple_buffer_register_vulkan(context, body, &def, &buffer));
+    FAILS(INVALID, why, crumple_vulkan_record(context, &host, 1, NULL, 0, NULL));
+    FAILS(INVALID, why, crumple_vulkan_complete_frames(context, 1));
+    FAILS(INVALID, why, crumple_vulkan_discard_frames(context, 1));
+    FAILS(INVALID, why, crumple_vulkan_get_pipeline_cache(context, NULL, 0, &size));
+    FAILS(INVALID, why, crumple_vulkan_detach(context));
 }
 
 static void devices(void) {
-    const CrumpleResult null = CRUMPLE_ERROR_NULL_POINTER, invalid = CRUMPLE_ERROR_INVALID_ARGUMENT;
     const CrumpleVulkanAttachDef good = vulkan_def(&host);
-    CrumpleVulkanAttachDef def = crumple_vulkan_attach_def_default();
-    FAILS(null, "def.", crumple_vulkan_attach(context, &def));
-    def = good;
-#define REFUSED(result, part)                                                                                          \
+    CrumpleVulkanAttachDef def;
+    FAILS(NULL_POINTER, "context", crumple_vulkan_attach(NULL, &good));
+    FAILS(NULL_POINTER, "def", crumple_vulkan_attach(context, NULL));
+#define REFUSED(result, part, change)                                                                                  \
     do {                                                                                                               \
-        FAILS(result, part, crumple_vulkan_attach(context, &def));                                                     \
         def = good;                                                                                                    \
+        change;                                                                                                        \
+        FAILS(result, part, crumple_vulkan_attach(context, &def));                                                     \
     } while (0)
-    def.get_instance_proc_addr = NULL;
-    REFUSED(null, "def.get_instance_proc_addr");
-    FAILS(null, "context", crumple_vulkan_attach(NULL, &good));
-    FAILS(null, "def", crumple_vulkan_attach(context, NULL));
-    def.instance = NULL;
-    REFUSED(null, "def.instance");
-    def.physical_device = NULL;
-    REFUSED(null, "def.physical_device");
-    def.device = NULL;
-    REFUSED(null, "def.device");
-    def.pipeline_cache_size = 8;
-    REFUSED(null, "def.pipeline_cache");
-    def.struct_size -= 4;
-    REFUSED(CRUMPLE_ERROR_STRUCT_SIZE, "crumple_vulkan_attach_def_default");
-    def.queue_family = UINT32_MAX; // as the default is
-    REFUSED(invalid, "4294967295");
+    REFUSED(NULL_POINTER, "def.", def = crumple_vulkan_attach_def_default());
+    REFUSED(NULL_POINTER, "def.get_instance_proc_addr", def.get_instance_proc_addr = NULL);
+    REFUSED(NULL_POINTER, "def.instance", def.instance = NULL);
+    REFUSED(NULL_POINTER, "def.physical_device", def.physical_device = NULL);
+    REFUSED(NULL_POINTER, "def.device", def.device = NULL);
+    REFUSED(NULL_POINTER, "def.pipeline_cache", def.pipeline_cache_size = 8);
+    REFUSED(CRUMPLE_ERROR_STRUCT_SIZE, "crumple_vulkan_attach_def_default", def.struct_size -= 4);
 #undef REFUSED
-    absent = "vkCmdDispatch";
-    FAILS(CRUMPLE_ERROR_UNSUPPORTED, absent, crumple_vulkan_attach(context, &good));
-    absent = NULL;
 
-    // Cached data of another driver, or cut short, is not used, and is no error.
-    const unsigned char rubbish[40] = {32, 0, 0, 0, 1};
-    def.pipeline_cache = rubbish;
-    def.pipeline_cache_size = sizeof rubbish;
-    OK(crumple_vulkan_attach(context, &def));
-    FAILS(invalid, "attached already", crumple_vulkan_attach(context, &good));
-
+    OK(crumple_vulkan_attach(context, &good));
+    FAILS(INVALID, "attached already", crumple_vulkan_attach(context, &good));
     unsigned char *cache;
     size_t size = 0, again = 0;
     OK(crumple_vulkan_get_pipeline_cache(context, NULL, 0, &size));
     FACT(size >= 32 && (cache = (unsigned char *)malloc(size)) != NULL);
-    FAILS(null, "out_size", crumple_vulkan_get_pipeline_cache(context, cache, size, NULL));
+    FAILS(NULL_POINTER, "out_size", crumple_vulkan_get_pipeline_cache(context, cache, size, NULL));
     FAILS(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "data", crumple_vulkan_get_pipeline_cache(context, cache, size - 1, &again));
     OK(crumple_vulkan_get_pipeline_cache(context, cache, size, &again));
     FACT(again == size && cache[0] == 32); // the length of a Vulkan pipeline cache's header
     OK(crumple_vulkan_detach(context));
+    def = good;
     def.pipeline_cache = cache;
     def.pipeline_cache_size = size;
     OK(crumple_vulkan_attach(context, &def));
@@ -80,65 +73,38 @@ static void devices(void) {
 }
 
 static void buffers(void) {
-    const CrumpleResult invalid = CRUMPLE_ERROR_INVALID_ARGUMENT, small = CRUMPLE_ERROR_BUFFER_TOO_SMALL;
     const CrumpleVulkanBufferDef good = buffer_def(&vertices);
-    CrumpleVulkanBufferDef def = good;
-    CrumpleBuffer buffer;
-#define REFUSED(result, part)                                                                                          \
-    do {                                                                                                               \
-        FAILS_KEEPING(result, part, buffer, crumple_buffer_register_vulkan(context, body, &def, &buffer));             \
-        def = good;                                                                                                    \
-    } while (0)
+    CrumpleVulkanBufferDef def;
+    CrumpleBuffer buffer, other;
     const CrumpleInstance nobody = {0};
-    FAILS(CRUMPLE_ERROR_NULL_POINTER, "def", crumple_buffer_register_vulkan(context, body, NULL, &buffer));
-    FAILS(CRUMPLE_ERROR_NULL_POINTER, "out_buffer", crumple_buffer_register_vulkan(context, body, &good, NULL));
+    FAILS(NULL_POINTER, "def", crumple_buffer_register_vulkan(context, body, NULL, &buffer));
+    FAILS(NULL_POINTER, "out_buffer", crumple_buffer_register_vulkan(context, body, &good, NULL));
     FAILS(CRUMPLE_ERROR_INVALID_ID, "instance", crumple_buffer_register_vulkan(context, nobody, &good, &buffer));
-    def.struct_size = 0;
-    REFUSED(CRUMPLE_ERROR_STRUCT_SIZE, "crumple_vulkan_buffer_def_default");
-    def.buffer = 0;
-    REFUSED(invalid, "VkBuffer");
-    def.buffer_size = 0;
-    REFUSED(invalid, "size");
-    def.lod = 3;
-    REFUSED(CRUMPLE_ERROR_INDEX_OUT_OF_RANGE, "3");
-
-    // A range and a stream that are too large, a format by its number, and a scale that is none.
-    def.offset = UINT64_MAX - 3;
-    REFUSED(small, "buffer");
-    def.positions = (CrumpleVulkanStream){0, 0, 0, 0};
-    REFUSED(invalid, "positions");
-    def.tangents.offset = (uint64_t)1 << 40;
-    REFUSED(small, "tangent");
-    def.positions.format = VK_FORMAT_R32G32_SFLOAT;
-    REFUSED(invalid, "R32G32_SFLOAT");
-    def.positions.format = 123456789;
-    REFUSED(invalid, "123456789");
-    def.positions.format = VK_FORMAT_R16G16B16A16_SNORM;
-    def.scale.z = NAN;
-    REFUSED(CRUMPLE_ERROR_NOT_FINITE, "scale");
-    def.bias.x = INFINITY;
-    REFUSED(CRUMPLE_ERROR_NOT_FINITE, "bias");
-
+#define REFUSED(result, part, change)                                                                                  \
+    do {                                                                                                               \
+        def = good;                                                                                                    \
+        change;                                                                                                        \
+        FAILS_KEEPING(result, part, other, crumple_buffer_register_vulkan(context, body, &def, &other));               \
+    } while (0)
+    REFUSED(CRUMPLE_ERROR_STRUCT_SIZE, "crumple_vulkan_buffer_def_default", def.struct_size = 0);
+    REFUSED(INVALID, "positions", memset(&def.positions, 0, sizeof def.positions));
+    REFUSED(INVALID, "123456789", def.positions.format = 123456789);
+    REFUSED(CRUMPLE_ERROR_NOT_FINITE, "scale", def.scale.z = NAN);
+    REFUSED(CRUMPLE_ERROR_NOT_FINITE, "bias", def.bias.x = INFINITY);
     // Another description of the same VkBuffer.
     OK(crumple_buffer_register_vulkan(context, body, &good, &buffer));
-    CrumpleBuffer other;
-    def.usage |= VK_BUFFER_USAGE_INDEX_BUFFER_BIT;
-    FAILS(invalid, "INDEX_BUFFER", crumple_buffer_register_vulkan(context, body, &def, &other));
-    def = good;
-    def.after_access = VK_ACCESS_INDEX_READ_BIT;
-    FAILS(invalid, "INDEX_READ", crumple_buffer_register_vulkan(context, body, &def, &other));
-
+    REFUSED(INVALID, "INDEX_BUFFER", def.usage |= VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
+    REFUSED(INVALID, "INDEX_READ", def.after_access = VK_ACCESS_INDEX_READ_BIT);
 #undef REFUSED
 
     // A Vulkan buffer is no host buffer, and the other way round.
-    CrumpleHostBufferDef host_def = crumple_host_buffer_def_default();
-    host_def.positions = stream_of(sheet.targets[0], sizeof sheet.targets[0], 0, 12);
-    FAILS(invalid, "not a host buffer", crumple_buffer_set_memory(context, buffer, &host_def));
+    CrumpleHostBufferDef host_memory = host_def(sheet.targets[0], VERTICES, 3);
     uint32_t triangles = 0;
-    FAILS(invalid, "buffer is not a host buffer", crumple_buffer_get_changed_triangles(context, buffer, NULL, 0, &triangles, NULL));
-    FAILS(invalid, "buffers[0] is a Vulkan buffer", crumple_context_deform(context, &buffer, 1, NULL));
-    OK(crumple_buffer_register_host(context, body, &host_def, &other));
-    FAILS(invalid, "buffers[0] is a host buffer", crumple_vulkan_record(context, &host, 1, &other, 1, NULL));
+    FAILS(INVALID, "not a host buffer", crumple_buffer_set_memory(context, buffer, &host_memory));
+    FAILS(INVALID, "buffer is not a host buffer", crumple_buffer_get_changed_triangles(context, buffer, NULL, 0, &triangles, NULL));
+    FAILS(INVALID, "buffers[0] is a Vulkan buffer", crumple_context_deform(context, &buffer, 1, NULL));
+    other = make_buffer(context, body, host_memory);
+    FAILS(INVALID, "buffers[0] is a host buffer", crumple_vulkan_record(context, &host, 1, &other, 1, NULL));
     OK(crumple_buffer_unregister(context, other));
     OK(crumple_buffer_unregister(context, buffer));
     FAILS(CRUMPLE_ERROR_INVALID_ID, "buffer", crumple_buffer_unregister(context, buffer));
@@ -150,29 +116,20 @@ static void hit(float x, float y, float depth) {
 }
 
 static void recordings(void) {
-    const CrumpleResult invalid = CRUMPLE_ERROR_INVALID_ARGUMENT;
     const CrumpleVulkanBufferDef def = buffer_def(&vertices);
     CrumpleRecordReport report;
-    CrumpleBuffer buffer, stale;
-    OK(crumple_buffer_register_vulkan(context, body, &def, &stale));
-    OK(crumple_buffer_unregister(context, stale));
+    CrumpleBuffer buffer;
     OK(crumple_buffer_register_vulkan(context, body, &def, &buffer));
     const CrumpleBuffer twice[2] = {buffer, buffer}, null = {0, 0, 0};
     hit(0, 0, 0.03f);
-
     VkCommandBuffer commands = host_begin(&host);
-    FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "command_buffer", report,
-                  crumple_vulkan_record(context, NULL, 1, NULL, 0, &report));
-    FAILS_KEEPING(invalid, "frame is 0", report, crumple_vulkan_record(context, commands, 0, NULL, 0, &report));
-    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ID, "buffers[0]", report,
-                  crumple_vulkan_record(context, commands, 1, &stale, 1, &report));
-    FAILS(CRUMPLE_ERROR_INVALID_ID, "buffers[0]", crumple_vulkan_record(context, commands, 1, &null, 1, NULL));
-    FAILS(invalid, "twice", crumple_vulkan_record(context, commands, 1, twice, 2, NULL));
-    FAILS(CRUMPLE_ERROR_NULL_POINTER, "buffers", crumple_vulkan_record(context, commands, 1, NULL, 2, NULL));
+    FAILS_KEEPING(NULL_POINTER, "command_buffer", report, crumple_vulkan_record(context, NULL, 1, NULL, 0, &report));
+    FAILS_KEEPING(INVALID, "frame is 0", report, crumple_vulkan_record(context, commands, 0, NULL, 0, &report));
+    FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ID, "buffers[0]", report, crumple_vulkan_record(context, commands, 1, &null, 1, &report));
+    FAILS(INVALID, "twice", crumple_vulkan_record(context, commands, 1, twice, 2, NULL));
+    FAILS(NULL_POINTER, "buffers", crumple_vulkan_record(context, commands, 1, NULL, 2, NULL));
     host_run(&host, commands);
     FACT(keeps(vertices.data, (size_t)vertices.size)); // nothing was recorded
-
-    // After all that it works.
     report = run_frame(&host, context, 7);
     FACT(report.dispatches == 1 && report.blocks_skipped == 0);
     expect_vertices(&host, &vertices, context, body);
@@ -181,7 +138,7 @@ static void recordings(void) {
     hit(0.2f, 0.2f, 0.02f);
     OK(crumple_vulkan_complete_frames(context, 7));
     commands = host_begin(&host);
-    FAILS(invalid, "frame is 7", crumple_vulkan_record(context, commands, 7, NULL, 0, NULL));
+    FAILS(INVALID, "frame is 7", crumple_vulkan_record(context, commands, 7, NULL, 0, NULL));
     OK(crumple_vulkan_record(context, commands, 8, NULL, 0, &report));
     FACT(report.dispatches == 1 && report.blocks_skipped > 0);
     OK(crumple_vulkan_discard_frames(context, 8));
@@ -196,8 +153,9 @@ static void recordings(void) {
     OK(crumple_vulkan_complete_frames(context, 8));
     FAILS(CRUMPLE_ERROR_FRAMES_IN_FLIGHT, "frame 9", crumple_context_destroy(context));
     OK(crumple_vulkan_complete_frames(context, 9));
-    OK(crumple_vulkan_record(context, &host, 10, NULL, 0, &report)); // nothing changed: nothing is touched
-    FACT(report.blocks_written == 0 && report.dispatches == 0);
+    const unsigned long calls = heap.calls;
+    OK(crumple_vulkan_record(context, &host, 10, NULL, 0, &report)); // nothing changed: nothing is touched or allocated
+    FACT(report.blocks_written == 0 && report.dispatches == 0 && heap.calls == calls);
     OK(crumple_buffer_unregister(context, buffer));
 }
 
@@ -251,11 +209,77 @@ static void threads(void) {
     run_frame(&host, context, 21);
     expect_vertices(&host, &vertices, context, body);
     OK(crumple_vulkan_complete_frames(context, 21));
+    OK(crumple_buffer_unregister(context, buffer));
 }
+
+// --- Shared memory needs a device of Crumple's own, which takes no frames of the host.
+
+#ifdef SHARES_FILE_DESCRIPTORS
+static void shared_memory(void) {
+    const char *open = "crumple_vulkan_open", *attach = "crumple_vulkan_attach";
+    CrumpleVulkanOpenDef own = crumple_vulkan_open_def_default();
+    CrumpleVulkanAttachDef theirs = vulkan_def(&host);
+    CrumpleVulkanImportDef import, bad;
+    CrumpleBuffer buffer;
+    CrumpleRecordReport report;
+    uint64_t imported, frame, semaphore = 7;
+    bool done = false;
+    HostBuffer exported = make_exported(&host, &import);
+    FAILS_KEEPING(INVALID, open, imported, crumple_vulkan_import_buffer(context, &import, &imported));
+    FAILS_KEEPING(INVALID, open, frame, crumple_vulkan_submit(context, NULL, 0, NULL, 0, NULL, 0, &frame, NULL));
+    OK(crumple_vulkan_attach(context, &theirs));
+    FAILS_KEEPING(INVALID, open, imported, crumple_vulkan_import_buffer(context, &import, &imported));
+    FAILS_KEEPING(INVALID, open, done, crumple_vulkan_wait_frame(context, 0, 0, &done));
+    FAILS(INVALID, "attached already", crumple_vulkan_open(context, &own));
+    OK(crumple_vulkan_detach(context));
+    FAILS(NULL_POINTER, "get_instance_proc_addr", crumple_vulkan_open(context, &own));
+    own.get_instance_proc_addr = (CrumpleVulkanFunction)vkGetInstanceProcAddr;
+    device_uuid(&host, own.device_uuid);
+    own.workgroup_size = 64;
+    OK(crumple_vulkan_open(context, &own));
+    FAILS(INVALID, "attached already", crumple_vulkan_attach(context, &theirs));
+
+    bad = import;
+    bad.handle = 1LL << 40;
+    FAILS_KEEPING(INVALID, "open file descriptor", imported, crumple_vulkan_import_buffer(context, &bad, &imported));
+    FAILS(NULL_POINTER, "out_semaphore", crumple_vulkan_import_semaphore(context, CRUMPLE_HANDLE_TYPE_OPAQUE_FD, -1, NULL));
+    // -1 is none, and some drivers have no external semaphores at all.
+    FACT(crumple_vulkan_import_semaphore(context, CRUMPLE_HANDLE_TYPE_OPAQUE_FD, -1, &semaphore) != CRUMPLE_OK && semaphore == 7);
+    CrumpleVulkanBufferDef def = buffer_def(&exported);
+    FAILS_KEEPING(INVALID, "crumple_vulkan_import_buffer", buffer, crumple_buffer_register_vulkan(context, body, &def, &buffer));
+    OK(crumple_vulkan_import_buffer(context, &import, &imported));
+    def.buffer = imported;
+    def.usage = 0; // not looked at
+    OK(crumple_buffer_register_vulkan(context, body, &def, &buffer));
+    FAILS(INVALID, "1 ranges", crumple_vulkan_unimport_buffer(context, imported));
+    FAILS(INVALID, attach, crumple_vulkan_complete_frames(context, 1));
+    FAILS(INVALID, attach, crumple_vulkan_record(context, &host, 1, NULL, 0, NULL));
+    FAILS_KEEPING(INVALID, "semaphore is 99", frame, crumple_vulkan_submit(context, NULL, 0, (uint64_t[]){99}, 1, NULL, 0, &frame, NULL));
+    FAILS(INVALID, "frame is 9", crumple_vulkan_wait_frame(context, 9, 0, &done));
+
+    pass(&host, &exported, false);
+    OK(crumple_vulkan_submit(context, NULL, 0, NULL, 0, NULL, 0, &frame, &report));
+    FACT(frame == 1 && report.vertices_written == VERTICES);
+    OK(crumple_vulkan_wait_frame(context, frame, UINT64_MAX, &done));
+    FACT(done);
+    pass(&host, &exported, true);
+    expect_vertices(&host, &exported, context, body);
+    OK(crumple_buffer_unregister(context, buffer));
+    OK(crumple_vulkan_unimport_buffer(context, imported));
+    FAILS(INVALID, "buffer is", crumple_vulkan_unimport_buffer(context, imported));
+    OK(crumple_vulkan_import_buffer(context, &import, &imported)); // left to the end of the context
+    close((int)import.handle);
+    host_destroy_buffer(&host, &exported);
+}
+#endif
 
 int main(void) {
     CrumpleExampleSet set;
+    const bool counts = use_heap(&heap);
     host_open(&host);
+#ifdef SHARES_FILE_DESCRIPTORS
+    open_exporting_device(&host);
+#endif
     vertices = make_vertices(&host);
     make_sheet(&sheet);
     context = make_context(1);
@@ -266,9 +290,14 @@ int main(void) {
     buffers();
     recordings();
     threads();
+    OK(crumple_vulkan_detach(context));
+#ifdef SHARES_FILE_DESCRIPTORS
+    shared_memory();
+#endif
     CrumpleContext *gone = context;
     OK(crumple_context_destroy(context));
     FAILS(CRUMPLE_ERROR_INVALID_ID, "context", crumple_vulkan_record(gone, &host, 30, NULL, 0, NULL));
+    FACT(!counts || (heap.calls > 0 && heap.blocks == 0));
     host_destroy_buffer(&host, &vertices);
     host_close(&host);
     printf("%u checks\n", checks);

@@ -65,6 +65,14 @@ static HostBuffer make_exported(const Host *host, CrumpleVulkanImportDef *def) {
     return made;
 }
 
+// Tells Crumple's own device which one is the host's.
+static void device_uuid(const Host *host, uint8_t uuid[16]) {
+    VkPhysicalDeviceIDProperties ids = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ID_PROPERTIES};
+    VkPhysicalDeviceProperties2 properties = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &ids};
+    vkGetPhysicalDeviceProperties2(host->physical_device, &properties);
+    memcpy(uuid, ids.deviceUUID, sizeof ids.deviceUUID);
+}
+
 // Gives the buffer to the other device, or takes it back.
 static void pass(const Host *host, const HostBuffer *buffer, bool back) {
     const VkBufferMemoryBarrier barrier = {

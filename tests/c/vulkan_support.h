@@ -1,4 +1,4 @@
-// What the Vulkan tests share: a sheet's vertices in a VkBuffer, and a loader that can lack and hold up things.
+// What the Vulkan tests share: a sheet's vertices in a VkBuffer, and a loader that can hold up dispatches.
 #ifndef VULKAN_SUPPORT_H
 #define VULKAN_SUPPORT_H
 
@@ -12,12 +12,9 @@ enum { FLOATS = 10, STRIDE = FLOATS * 4, GUARD = 4096, RANGE = VERTICES * STRIDE
 
 // --- The loader.
 
-static const char *absent;                           // a function that it does not have; null: none
 static void (*dispatching)(VkCommandBuffer commands); // called at each vkCmdDispatch; null: nothing
 static PFN_vkGetDeviceProcAddr real_get_device;
 static PFN_vkCmdDispatch real_dispatch;
-
-static int named(const char *which, const char *name) { return which && strcmp(which, name) == 0; }
 
 static VKAPI_ATTR void VKAPI_CALL dispatch(VkCommandBuffer commands, uint32_t x, uint32_t y, uint32_t z) {
     if (dispatching) dispatching(commands);
@@ -25,18 +22,15 @@ static VKAPI_ATTR void VKAPI_CALL dispatch(VkCommandBuffer commands, uint32_t x,
 }
 
 static VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL get_device(VkDevice device, const char *name) {
-    PFN_vkVoidFunction found = named(absent, name) ? NULL : real_get_device(device, name);
-    if (!found) return NULL;
-    if (named("vkCmdDispatch", name)) {
-        real_dispatch = (PFN_vkCmdDispatch)found;
-        return (PFN_vkVoidFunction)dispatch;
-    }
-    return found;
+    const PFN_vkVoidFunction found = real_get_device(device, name);
+    if (!found || strcmp(name, "vkCmdDispatch") != 0) return found;
+    real_dispatch = (PFN_vkCmdDispatch)found;
+    return (PFN_vkVoidFunction)dispatch;
 }
 
 static VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL get_instance(VkInstance instance, const char *name) {
-    PFN_vkVoidFunction found = named(absent, name) ? NULL : vkGetInstanceProcAddr(instance, name);
-    if (!found || !named("vkGetDeviceProcAddr", name)) return found;
+    const PFN_vkVoidFunction found = vkGetInstanceProcAddr(instance, name);
+    if (!found || strcmp(name, "vkGetDeviceProcAddr") != 0) return found;
     real_get_device = (PFN_vkGetDeviceProcAddr)found;
     return (PFN_vkVoidFunction)get_device;
 }

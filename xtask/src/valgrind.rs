@@ -17,7 +17,7 @@ const IN_PART: &[&str] = &["--test=contacts", "--test=oracle_rules", "--test=pap
 
 /// C programs that do not run under valgrind. A driver takes a minute there to compile the kernels, and the programs that remain make
 /// every call to it. Others build sets very often, or differ by how they are linked.
-const SLOW: &str = "^(vulkan_(faults|memory|times)_|(refusals|allocator_static)$)";
+const SLOW: &str = "^(vulkan_(faults|times)_|(refusals|allocator_static)$)";
 
 pub fn c(workspace: &Workspace) -> Result<Outcome> {
     let run = Run::new(workspace, "c", "definite,possible")?;
