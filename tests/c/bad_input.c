@@ -61,9 +61,6 @@ static void contexts(void) {
     BAD_KEEPING(MISALIGNED, "def", out, crumple_context_create(crooked(&def), &out));
     def.struct_size = sizeof def + 8;
     BAD_KEEPING(STRUCT_SIZE, "crumple_context_def_default", out, crumple_context_create(&def, &out));
-    def = crumple_context_def_default();
-    def.threads = 1025;
-    BAD_KEEPING(INVALID_ARGUMENT, "1025", out, crumple_context_create(&def, &out));
     BAD(NULL_POINTER, "context is null", crumple_context_destroy(NULL));
     CrumpleContext *gone = make_context(1);
     OK(crumple_context_destroy(gone));
@@ -92,11 +89,8 @@ static void bad_set(CrumpleResult expected, const char *part, const CrumpleExamp
     } while (0)
 
 static void meshes(void) {
-    static uint16_t narrow[INDICES];
-    for (int i = 0; i < INDICES; ++i) narrow[i] = (uint16_t)sheet.indices[i];
     BAD_KEEPING(NULL_POINTER, "def is null", out_set, crumple_example_set_create(context, NULL, &out_set));
     BAD(NULL_POINTER, "out_set is null", crumple_example_set_create(context, &sheet.def, NULL));
-    BAD_KEEPING(NULL_POINTER, "context is null", out_set, crumple_example_set_create(NULL, &sheet.def, &out_set));
     BAD_SET(STRUCT_SIZE, "def.struct_size is 12", def.struct_size = 12);
     BAD_SET(STRUCT_SIZE, "def.mesh.struct_size is 4; it must be", mesh.struct_size = 4);
     BAD_SET(NULL_POINTER, "def.mesh is null", def.mesh = NULL);
@@ -110,28 +104,18 @@ static void meshes(void) {
     BAD_SET(BUFFER_TOO_SMALL, "def.mesh.positions", mesh.vertex_count = UINT32_MAX);
     BAD_SET(BUFFER_TOO_SMALL, "def.mesh.positions", mesh.positions.stride = SIZE_MAX & ~(size_t)3);
     BAD_SET(INVALID_ARGUMENT, "past the end of memory", mesh.positions.size = SIZE_MAX);
-    BAD_SET(BUFFER_TOO_SMALL, "def.mesh.depth_limits", mesh.depth_limits = input_of(vertices, 4 * VERTICES - 4, 4));
-    BAD_SET(BUFFER_TOO_SMALL, "def.mesh.stiffness", mesh.stiffness = input_of(vertices, 4 * VERTICES - 4, 4));
-    BAD_SET(BUFFER_TOO_SMALL, "vertex_masses", def.options.vertex_masses = input_of(vertices, 4 * VERTICES - 4, 4));
     // Triangles.
     BAD_SET(INVALID_ARGUMENT, "multiple of 3", mesh.index_count -= 1);
-    BAD_SET(BUFFER_TOO_SMALL, "def.mesh.indices", mesh.index_count += 3);
     BAD_SET(NULL_POINTER, "def.mesh.indices", mesh.indices = input_of(NULL, 0, 0));
     BAD_SET(INVALID_ARGUMENT, "def.mesh.index_type is 9", SET_ENUM(mesh.index_type, 9));
-#define NARROW(data, size, stride) (mesh.index_type = CRUMPLE_INDEX_TYPE_U16, mesh.indices = input_of(data, size, stride))
-    BAD_SET(MISALIGNED, "def.mesh.indices.data", NARROW(crooked(narrow), sizeof narrow - 2, 2));
-    BAD_SET(MISALIGNED, "def.mesh.indices.stride is 3", NARROW(narrow, sizeof narrow, 3));
-    BAD_SET(BUFFER_TOO_SMALL, "def.mesh.indices", mesh.indices = input_of(narrow, sizeof narrow, 4));
+    BAD_SET(MISALIGNED, "def.mesh.indices.data", (mesh.index_type = CRUMPLE_INDEX_TYPE_U16, mesh.indices = input_of(crooked(sheet.indices), 2 * INDICES, 2)));
     // Numbers: in an array, in options and in an example.
     float held = sheet.targets[0][80][0];
     sheet.targets[0][80][0] = NAN;
     BAD_SET(NOT_FINITE, "target_positions[80]", (void)0);
     sheet.targets[0][80][0] = held;
-    BAD_SET(NOT_FINITE, "def.options.depth_limit", def.options.depth_limit = NAN);
     BAD_SET(INVALID_ARGUMENT, "def.options.vertex_mass is -2", def.options.vertex_mass = -2);
     BAD_SET(INVALID_ARGUMENT, "one of the two", (def.options.vertex_mass = 1, def.options.vertex_masses = input_of(vertices, sizeof vertices, 4)));
-    BAD_SET(NOT_FINITE, "contact_normal", (example.has_contact_normal = true, example.contact_normal.y = NAN));
-    BAD_SET(INVALID_ARGUMENT, "def.examples[0].striker.mass is -3", example.striker.mass = -3);
     // Any byte but 0 is true; each of the two is another set.
     uint64_t prints[4];
     for (int i = 0; i < 4; ++i) {
@@ -161,14 +145,10 @@ static void examples(void) {
     BAD_SET(INVALID_ARGUMENT, "def.examples[0].contact_kind is 5", SET_ENUM(example.contact_kind, 5));
     BAD_SET(INVALID_ARGUMENT, "needs the base mesh's normals", (example.target_normals = full, mesh.normals = none));
     BAD_SET(INVALID_ARGUMENT, "one of the two forms", (example.delta_indices = sparse, example.delta_count = 4));
-    BAD_SET(INVALID_ARGUMENT, "normal_deltas belongs to the sparse form", (example.delta_count = 4, example.normal_deltas = full));
 #define SPARSE(change)                                                                                                 \
     (example.target_positions = none, example.delta_count = 4, example.delta_indices = sparse,                         \
      example.position_deltas = input_of(deltas, sizeof deltas, 12), (void)(change))
     BAD_SET(NULL_POINTER, "the sparse form needs both", SPARSE(example.position_deltas = none));
-    BAD_SET(NULL_POINTER, "the sparse form needs both", SPARSE(example.delta_indices = none));
-    BAD_SET(BUFFER_TOO_SMALL, "def.examples[0].delta_indices", SPARSE(example.delta_count = 5));
-    BAD_SET(INVALID_ARGUMENT, "target_normals belongs to the full form", SPARSE(example.target_normals = full));
     BAD_SET(NOT_FINITE, "def.examples[0].position_deltas[1]", SPARSE(0));
 }
 
@@ -180,7 +160,7 @@ static void sets(void) {
     CrumplePrimitive primitive;
     CrumpleMeshDef mesh = sheet.mesh;
     CrumpleMeshCopyDef copy = crumple_mesh_copy_def_default();
-    CrumpleAttachment lamp, zeroed;
+    CrumpleAttachment lamp;
     CrumplePose frame;
     CrumpleCapsule capsule = {vec3(0, 0, 0), vec3(0, 0, 1), 0.1f};
     uint32_t number;
@@ -189,12 +169,7 @@ static void sets(void) {
     BAD_KEEPING(INDEX_OUT_OF_RANGE, "example is 3; it must be below 3", example, crumple_example_set_get_example(context, set, 3, &example));
     BAD_KEEPING(INDEX_OUT_OF_RANGE, "primitive is 1", primitive, crumple_example_set_get_primitive(context, set, 1, &primitive));
     BAD_KEEPING(NOT_FINITE, "point", lamp, crumple_example_set_attach_point(context, set, vec3(NAN, 0, 0), &lamp));
-    OK(crumple_example_set_attach_point(context, set, vec3(0, 0, 0), &lamp));
     BAD_KEEPING(NULL_POINTER, "attachment is null", frame, crumple_instance_get_attached_pose(context, body, NULL, &frame));
-    memset(&zeroed, 0, sizeof zeroed);
-    BAD_KEEPING(INVALID_ARGUMENT, "weights sum to 0", frame, crumple_instance_get_attached_pose(context, body, &zeroed, &frame));
-    lamp.vertices[1] = VERTICES;
-    BAD_KEEPING(INDEX_OUT_OF_RANGE, "attachment", frame, crumple_instance_get_attached_pose(context, body, &lamp, &frame));
 
     memset(out, 0xAB, sizeof out);
     memset(triangles, 0xAB, sizeof triangles);
@@ -218,12 +193,9 @@ static void sets(void) {
     BAD_KEEPING(INVALID_ARGUMENT, "before the first instance", number, crumple_example_set_add_lod(context, set, &mesh, &number));
     memset(limits, 0xAB, sizeof limits);
     BAD(NULL_POINTER, "mesh is null", crumple_mesh_keep_out(NULL, &capsule, 1, NULL, 0, limits));
-    BAD(NULL_POINTER, "capsules is null", crumple_mesh_keep_out(&mesh, NULL, 1, NULL, 0, limits));
     BAD(NULL_POINTER, "out_limits is null", crumple_mesh_keep_out(&mesh, &capsule, 1, NULL, 0, NULL));
     mesh.positions = input_of(NULL, 0, 0);
     BAD(NULL_POINTER, "meshes[0].positions", crumple_mesh_keep_out(&sheet.mesh, NULL, 0, &mesh, 1, limits));
-    mesh.struct_size = 0;
-    BAD(STRUCT_SIZE, "meshes[0].struct_size is 0", crumple_mesh_keep_out(&sheet.mesh, NULL, 0, &mesh, 1, limits));
     FACT(keeps(limits, sizeof limits));
 }
 
@@ -239,17 +211,13 @@ static void ids(void) {
     BAD(INVALID_ID, "null instance", crumple_instance_reset_damage(context, null));
     BAD(INVALID_ID, "never was", crumple_instance_reset_damage(context, invented));
     BAD(INVALID_ID, "stale", crumple_instance_reset_damage(context, gone));
-    BAD(INVALID_ID, "stale", crumple_instance_destroy(context, gone));
-    BAD(INVALID_ID, "stale", crumple_instance_copy_damage(context, body, gone));
     BAD(INVALID_ID, "stale", crumple_instance_copy_damage(context, gone, body));
     BAD(INVALID_ID, "another context", crumple_instance_copy_damage(context, body, foreign));
     BAD_KEEPING(INVALID_ID, "another context", info, crumple_instance_get_info(context, foreign, &info));
-    BAD(INVALID_ID, "null example set", crumple_example_set_destroy(context, null_set));
     BAD(INVALID_ID, "another context", crumple_example_set_destroy(context, foreign_set));
     BAD_KEEPING(INVALID_ID, "another context", out_set, crumple_example_set_share(context, foreign_set, second, &out_set));
     BAD_KEEPING(INVALID_ARGUMENT, "context itself", out_set, crumple_example_set_share(context, set, context, &out_set));
     BAD_KEEPING(NULL_POINTER, "context", out_set, crumple_example_set_share(context, set, NULL, &out_set));
-    BAD(INVALID_ID, "null buffer", crumple_buffer_unregister(context, null_buffer));
     BAD(INVALID_ID, "buffers[0]", crumple_context_deform(context, &null_buffer, 1, NULL));
     BAD_KEEPING(INVALID_ID, "def.set is the null example set", out, crumple_instance_create(context, &def, &out));
     def.set = foreign_set;
@@ -302,20 +270,13 @@ static void instances_and_hits(void) {
     BAD_INSTANCE(STRUCT_SIZE, "crumple_instance_def_default", def.struct_size = 4);
     BAD_INSTANCE(INVALID_ARGUMENT, "def.rule is 3", SET_ENUM(def.rule, 3));
     BAD_INSTANCE(INVALID_ARGUMENT, "def.selection is 2", SET_ENUM(def.selection, 2));
-    BAD_INSTANCE(INVALID_ARGUMENT, "capacity", def.mark_capacity = 0);
-    BAD_INSTANCE(INVALID_ARGUMENT, "def.depth_limit is -0.5", def.depth_limit = -0.5f);
     BAD_INSTANCE(INVALID_ARGUMENT, "transpose", def.local_to_world[3] = 1);
-    BAD_INSTANCE(NOT_FINITE, "def.local_to_world", def.local_to_world[13] = NAN);
-    BAD(NOT_FINITE, "depth_limit", crumple_instance_set_depth_limit(context, body, NAN));
-    BAD(NOT_FINITE, "keep", crumple_instance_repair_damage(context, body, NAN));
-    BAD(NOT_FINITE, "point", crumple_instance_repair_around(context, body, vec3(0, NAN, 0), 1, 0));
     BAD(NOT_FINITE, "time", crumple_context_set_time(context, INFINITY));
     BAD(NULL_POINTER, "local_to_world", crumple_instance_set_transform(context, body, NULL));
     BAD(MISALIGNED, "local_to_world", crumple_instance_set_transform(context, body, crooked(matrix)));
     matrix[10] = NAN;
     BAD(NOT_FINITE, "local_to_world", crumple_instance_set_transform(context, body, matrix));
 
-    BAD_KEEPING(NULL_POINTER, "context is null", told, crumple_instance_submit_hit(NULL, body, &push, &told));
     BAD_KEEPING(NULL_POINTER, "def is null", told, crumple_instance_submit_hit(context, body, NULL, &told));
     BAD(MISALIGNED, "out_result", crumple_instance_submit_hit(context, body, &push, crooked(&told)));
     BAD(NULL_POINTER, "instances", crumple_context_submit_hits(context, NULL, both, 2, NULL));
@@ -351,7 +312,6 @@ static void contact_points(void) {
     BAD(NULL_POINTER, "points", crumple_context_report_contacts(context, NULL, 1));
     OK(crumple_context_report_contacts(context, NULL, 0));
     BAD_KEEPING(INVALID_ARGUMENT, "seconds", report, crumple_context_step_contacts(context, -1, &report));
-    BAD(NULL_POINTER, "out_report", crumple_context_get_contact_totals(context, NULL));
     BAD(NULL_POINTER, "out_count", crumple_context_get_contact_hits(context, hits, 1, NULL));
     OK(crumple_context_step_contacts(context, 1, &report));
     FACT(report.points == 0);
@@ -388,14 +348,12 @@ static void damage(void) {
     bad.contact = VERTICES;
     FAILS(CRUMPLE_ERROR_INVALID_ARGUMENT, "contact", crumple_instance_set_marks(context, body, &bad, 1));
     FAILS(CRUMPLE_ERROR_NULL_POINTER, "marks", crumple_instance_set_marks(context, body, NULL, 1));
-    FAILS(CRUMPLE_ERROR_MISALIGNED, "marks", crumple_instance_set_marks(context, body, crooked(marks), 1));
     // Nothing behind the given size is read.
     unsigned char *cut = malloc(size - 1);
     memcpy(cut, bytes, size - 1);
     FAILS(CRUMPLE_ERROR_DAMAGE_MISMATCH, "saved damage", crumple_instance_load_damage(context, body, cut, size - 1));
     free(cut);
     FAILS(CRUMPLE_ERROR_NULL_POINTER, "data is null", crumple_instance_load_damage(context, body, NULL, 96));
-    FAILS(CRUMPLE_ERROR_NULL_POINTER, "data", crumple_context_load_damage(context, &body, 1, NULL, size));
     memset(again, 0xAB, sizeof again);
     FAILS(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "mapped has room for 95",
           crumple_example_set_map_damage(context, set, set, bytes, size, 0, again, 95, &size, NULL));
@@ -432,11 +390,9 @@ static void buffers(void) {
     BAD_BUFFER(MISALIGNED, "def.normals.offset is 10", def.normals.offset = 10);
     BAD_BUFFER(INVALID_ARGUMENT, "def.normals.stride is 0 bytes", def.normals.stride = 0);
     BAD_BUFFER(BUFFER_TOO_SMALL, "def.tangents", def.tangents.size -= 1);
-    BAD_BUFFER(BUFFER_TOO_SMALL, "def.positions", def.positions.offset = SIZE_MAX & ~(size_t)3);
     BAD_BUFFER(BUFFER_TOO_SMALL, "def.positions", def.positions.stride = SIZE_MAX & ~(size_t)3);
     BAD_BUFFER(INVALID_ARGUMENT, "def.normals and def.positions overlap", def.normals.offset = 8);
     BAD_BUFFER(INVALID_ARGUMENT, "def.normal_format is 2", SET_ENUM(def.normal_format, 2));
-    BAD_BUFFER(INVALID_ARGUMENT, "def.tangent_format is 7", SET_ENUM(def.tangent_format, 7));
     CrumpleHostBufferDef def = host_def(memory, VERTICES, 3);
     def.lod = 1;
     BAD_KEEPING(INDEX_OUT_OF_RANGE, "below 1", out, crumple_buffer_register_host(context, body, &def, &out));

@@ -2,11 +2,11 @@
 //
 //   soak [SECONDS [BODIES [SEED]]]
 //
-// It fails if the memory grows, or if a body's vertices are not those that a new body gets from its marks. It prints how long hits
-// and frames took. `cargo xtask soak` runs it.
+// It fails if the memory grows, or if a body's vertices are not those that a new body gets from its marks. `cargo xtask soak` runs it.
 #include "heap.h"
 #include "support.h"
-#include "times.h"
+
+#include <time.h>
 
 enum { MOST_BODIES = 1000 };
 
@@ -14,6 +14,12 @@ static Heap heap;
 static Sheet sheet;
 static float vertices[MOST_BODIES + 1][VERTICES][10];
 static CrumpleInstance bodies[MOST_BODIES];
+
+static double seconds(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
 
 static CrumpleInstance make_body(CrumpleContext *context, CrumpleExampleSet set, unsigned at) {
     CrumpleInstance body = make_instance(context, set);
@@ -40,7 +46,6 @@ static void compare_with_replay(CrumpleContext *context, CrumpleExampleSet set, 
 
 int main(int argc, char **argv) {
     static unsigned char damage[1 << 18];
-    static Histogram hits, frames;
     const double wanted = argc > 1 ? atof(argv[1]) : 2;
     const unsigned count = argc > 2 ? (unsigned)atoi(argv[2]) : 16;
     if (argc > 3) dice_state = strtoull(argv[3], NULL, 10);
@@ -52,22 +57,16 @@ int main(int argc, char **argv) {
     OK(crumple_example_set_create(context, &sheet.def, &set));
     for (unsigned i = 0; i < count; ++i) bodies[i] = make_body(context, set, i);
 
-    unsigned long long replays = 0, made = count;
+    unsigned long long frames = 0, hits = 0, replays = 0, made = count;
     size_t first_half = 0, second_half = 0, size;
     const double begin = seconds();
     double now = begin;
-    for (unsigned long long frame = 1; now - begin < wanted; ++frame) {
-        for (unsigned i = dice(4); i > 0; --i) {
+    for (; now - begin < wanted; ++frames, now = seconds()) {
+        for (unsigned i = dice(4); i > 0; --i, ++hits) {
             CrumpleHitDef def = random_displacement();
-            CrumpleInstance body = bodies[dice(count)];
-            const double before = seconds();
-            OK(crumple_instance_submit_hit(context, body, &def, NULL));
-            add_time(&hits, seconds() - before);
+            OK(crumple_instance_submit_hit(context, bodies[dice(count)], &def, NULL));
         }
-        const double before = seconds();
         OK(crumple_context_deform(context, NULL, 0, NULL));
-        now = seconds();
-        add_time(&frames, now - before);
         const unsigned at = dice(count);
         if (dice(50) == 0) {
             const CrumpleVec3 point = vec3((float)dice(100) / 100 - 0.5f, (float)dice(100) / 100 - 0.5f, 0.07f);
@@ -90,12 +89,9 @@ int main(int argc, char **argv) {
         if (heap.bytes > *half) *half = heap.bytes;
     }
     for (unsigned i = 0; i < count; ++i) compare_with_replay(context, set, i);
-    printf("%u bodies, %.0f s, %llu bodies made, %llu compared with a replay of their marks\n", count, now - begin, made,
-           replays + count);
-    printf("bytes at most: first half %zu, second half %zu\n\n", first_half, second_half);
-    print_header();
-    print_times("hit", &hits);
-    print_times("frame", &frames);
+    printf("%u bodies, %.0f s, %llu hits, %llu frames, %llu bodies made, %llu compared with a replay of their marks\n", count,
+           now - begin, hits, frames, made, replays + count);
+    printf("bytes at most: first half %zu, second half %zu\n", first_half, second_half);
     // Short runs have not seen the bodies with the most marks in their first half.
     if (wanted >= 60) FACT(second_half <= first_half + first_half / 20);
     OK(crumple_context_destroy(context));

@@ -33,9 +33,9 @@ static void load_marks(CrumpleContext *context, CrumpleExampleSet set, int most)
                 marks[i].depth = 0.01f + 1e-6f * (float)i;
                 marks[i].contact = spread ? (uint32_t)(i % VERTICES) : VERTICES / 2;
             }
-            const double begin = seconds_of(CLOCK_THREAD_CPUTIME_ID);
+            const double begin = own_seconds();
             OK(crumple_instance_set_marks(context, body, marks, (uint32_t)n));
-            times[spread] = seconds_of(CLOCK_THREAD_CPUTIME_ID) - begin;
+            times[spread] = own_seconds() - begin;
             OK(crumple_instance_get_marks(context, body, NULL, 0, &count));
             FACT(count == (uint32_t)n);
         }
@@ -60,21 +60,20 @@ int main(int argc, char **argv) {
         if (i == warm_up) start_measuring(&hit), start_measuring(&frame), start_measuring(&idle);
         const CrumpleInstance body = bodies[dice(BODIES)];
         const CrumpleHitDef def = random_displacement();
-        begin_time(&hit.times);
+        begin_call(&hit);
         OK(crumple_instance_submit_hit(context, body, &def, NULL));
         end_call(&hit);
-        begin_time(&frame.times);
+        begin_call(&frame);
         OK(crumple_context_deform(context, NULL, 0, NULL));
         end_call(&frame);
-        begin_time(&idle.times);
+        begin_call(&idle);
         OK(crumple_context_deform(context, NULL, 0, NULL));
         end_call(&idle);
         // Bodies are repaired now and then, so that there are bodies with few marks too.
         if (dice(2000) == 0) OK(crumple_instance_reset_damage(context, body));
     }
     printf("CPU: %d bodies of %d vertices, frames: %llu\n\n", BODIES, VERTICES, frames);
-    print_header();
-    print_call(&hit), print_call(&frame), print_call(&idle);
+    print_calls((const Call *const[]){&hit, &frame, &idle}, 3);
     load_marks(context, set, frames < 10000 ? 256 : 4096);
     OK(crumple_context_destroy(context));
     return 0;

@@ -39,15 +39,15 @@ int main(int argc, char **argv) {
         const CrumpleInstance body = bodies[dice(BODIES)];
         const CrumpleHitDef def = random_displacement();
         CrumpleRecordReport report;
-        begin_time(&hit.times);
+        begin_call(&hit);
         OK(crumple_instance_submit_hit(context, body, &def, NULL));
         end_call(&hit);
         ++number;
         if (number > IN_FLIGHT) OK(crumple_vulkan_complete_frames(context, number - IN_FLIGHT));
-        begin_time(&frame.times);
+        begin_call(&frame);
         OK(crumple_vulkan_record(context, commands, number, NULL, 0, &report));
         end_call(&frame);
-        begin_time(&idle.times);
+        begin_call(&idle);
         OK(crumple_vulkan_record(context, commands, number, NULL, 0, &report));
         end_call(&idle);
         VK(vkEndCommandBuffer(commands));
@@ -56,8 +56,7 @@ int main(int argc, char **argv) {
     }
     VK(vkEndCommandBuffer(commands));
     printf("Vulkan on %s: %d bodies of %d vertices, frames: %llu\n\n", host.name, BODIES, VERTICES, frames);
-    print_header();
-    print_call(&hit), print_call(&frame), print_call(&idle);
+    print_calls((const Call *const[]){&hit, &frame, &idle}, 3);
     OK(crumple_vulkan_complete_frames(context, UINT64_MAX));
     OK(crumple_context_destroy(context));
     for (int i = 0; i < BODIES; ++i) host_destroy_buffer(&host, &vertices[i]);
