@@ -74,22 +74,16 @@ static void registered_bytes(void) {
 
     // A second buffer of the same instance gets everything; the first is up to date. So does other memory.
     CrumpleBuffer other = make_buffer(context, body, interleaved(second));
-    FACT(deform().vertices_written == VERTICES);
-    FACT(memcmp(vertices[5].position, second[5].position, 12) == 0);
+    FACT(deform().vertices_written == VERTICES && memcmp(vertices[5].position, second[5].position, 12) == 0);
+    memset(second, 0, sizeof second);
     OK(crumple_buffer_invalidate(context, other));
-    FACT(deform().vertices_written == VERTICES);
+    FACT(deform().vertices_written == VERTICES && memcmp(vertices[5].position, second[5].position, 12) == 0);
     CrumpleHostBufferDef def = interleaved(third);
     OK(crumple_buffer_set_memory(context, other, &def));
     FACT(deform().vertices_written == VERTICES && memcmp(vertices[5].position, third[5].position, 12) == 0);
-
-    // Within a budget of one vertex, one buffer is written at a time.
     OK(crumple_context_set_vertex_budget(context, 1));
     hit(body, 0.4f, -0.4f, 0.01f);
-    report = deform();
-    FACT(report.vertices_written > 0 && report.vertices_waiting > 0);
-    report = deform();
-    FACT(report.vertices_written > 0 && report.vertices_waiting == 0);
-    for (int v = 0; v < VERTICES; ++v) FACT(memcmp(vertices[v].position, third[v].position, 12) == 0);
+    FACT(deform().vertices_waiting > 0);
     OK(crumple_context_set_vertex_budget(context, 0));
     OK(crumple_instance_destroy(context, body));
 }
@@ -174,14 +168,13 @@ static void levels(void) {
     OK(crumple_instance_destroy(context, body));
 }
 
+// The pointers of a plan. tests/vulkan/graph.rs executes such plans.
 static void graphs(void) {
     CrumpleInstance body = make_instance(context, set);
     CrumpleVulkanBufferDef def = crumple_vulkan_buffer_def_default();
     CrumpleBuffer buffer;
     CrumpleGraphPlan plan;
     CrumpleRecordReport report;
-    uint32_t words[2];
-    size_t size = 0;
     def.buffer = 77;
     def.buffer_size = def.size = VERTICES * 24;
     def.positions.stride = def.normals.stride = 24;
@@ -191,19 +184,11 @@ static void graphs(void) {
     OK(crumple_graph_plan(context, &buffer, 1, &plan, &report));
     FACT(plan.upload_count == 1 && plan.freed_count == 0 && plan.dispatch_count == 1);
     FACT(report.vertices_written == VERTICES && report.bytes_copied == plan.uploads[0].size + plan.work_size);
-    FACT(plan.uploads[0].offset == 0 && plan.uploads[0].size <= plan.uploads[0].storage_size);
     // The mesh is at the start of its storage.
-    FACT(memcmp(plan.uploads[0].data, sheet.positions, sizeof sheet.positions) == 0);
-    const uint32_t storage = plan.uploads[0].storage, kernel = plan.dispatches[0].kernel;
+    FACT(plan.uploads[0].offset == 0 && memcmp(plan.uploads[0].data, sheet.positions, sizeof sheet.positions) == 0);
+    const uint32_t storage = plan.uploads[0].storage;
     FACT(plan.dispatches[0].storage == storage && plan.dispatches[0].buffer == 77);
-    FACT(sizeof plan.dispatches[0].constants == 32 && plan.dispatches[0].constants[7] == 0);
     FACT(plan.dispatches[0].groups[0] == (VERTICES + 127) / 128 && plan.dispatches[0].groups[1] == 1);
-    FAILS(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "data", crumple_graph_get_kernel(kernel, words, sizeof words, &size));
-    void *code = malloc(size);
-    OK(crumple_graph_get_kernel(kernel, code, size, &size));
-    memcpy(words, code, sizeof words);
-    FACT(words[0] == 0x07230203 && words[1] == 0x00010300);
-    free(code);
     OK(crumple_buffer_unregister(context, buffer));
     OK(crumple_graph_plan(context, NULL, 0, &plan, NULL));
     FACT(plan.freed_count == 1 && plan.freed[0] == storage && plan.dispatch_count == 0);

@@ -137,7 +137,8 @@ int main() {
         const crumple::Buffer shown = body.register_graph_buffer(graph).value();
         const CrumpleGraphPlan plan = context.plan_graph().value();
         FACT(plan.dispatch_count == 1);
-        FACT(crumple::Context::graph_kernel(plan.dispatches[0].kernel).value().size() > 1000);
+        const auto kernel = crumple::Context::graph_kernel(plan.dispatches[0].kernel).value();
+        FACT(kernel.size() > 1000 && kernel[0] == 0x03 && kernel[1] == 0x02);
     }
 
     // Errors.
