@@ -6,32 +6,22 @@ static class Check
 {
     public static int Count;
 
-    /// <summary>Passes from one application domain to another.</summary>
-    [Serializable]
-    public sealed class Failure : Exception
-    {
-        public Failure(string text) : base(text) { }
-
-        Failure(System.Runtime.Serialization.SerializationInfo info, System.Runtime.Serialization.StreamingContext context)
-            : base(info, context) { }
-    }
-
     public static void That(bool fact, string text)
     {
         Count++;
-        if (!fact) throw new Failure("not so: " + text);
+        if (!fact) throw new Exception("not so: " + text);
     }
 
     public static void Same<T>(T expected, T found, string what)
     {
         Count++;
-        if (!Equals(expected, found)) throw new Failure(what + ": expected " + expected + ", found " + found);
+        if (!Equals(expected, found)) throw new Exception(what + ": expected " + expected + ", found " + found);
     }
 
     public static void Near(float expected, float found, float off, string what)
     {
         Count++;
-        if (!(Math.Abs(expected - found) <= off)) throw new Failure(what + ": expected " + expected + ", found " + found);
+        if (!(Math.Abs(expected - found) <= off)) throw new Exception(what + ": expected " + expected + ", found " + found);
     }
 
     public static T Throws<T>(Action action, string part = "") where T : Exception
@@ -43,14 +33,10 @@ static class Check
         }
         catch (T error)
         {
-            if (!error.Message.Contains(part)) throw new Failure("expected ..." + part + "..., found: " + error.Message);
+            if (!error.Message.Contains(part)) throw new Exception("expected ..." + part + "..., found: " + error.Message);
             return error;
         }
-        catch (Exception error)
-        {
-            throw new Failure("expected " + typeof(T).Name + ", found " + error);
-        }
-        throw new Failure("expected " + typeof(T).Name + " with ..." + part + "..., but nothing was thrown");
+        throw new Exception("expected " + typeof(T).Name + " with ..." + part + "..., but nothing was thrown");
     }
 
     /// <summary>The action throws a CrumpleException with this result and a text that has this in it.</summary>

@@ -40,7 +40,7 @@ static class FrameTests
                 written += context.Deform().VerticesWritten;
                 context.Deform(buffers);
                 buffer.GetChanges(ranges, out CrumpleAabb bounds);
-                if (!(bounds.Min.Z < bounds.Max.Z)) throw new Check.Failure("bounds");
+                if (!(bounds.Min.Z < bounds.Max.Z)) throw new Exception("bounds");
                 body.GetAttachedPose(in lamp);
                 if (frame % 100 == 99) body.RepairDamage(0.5f);
             }

@@ -17,7 +17,7 @@ static class Tests
             DentTests.SpacesAndMeshes,
             DentTests.ContactPoints,
             DentTests.Errors,
-            ThreadTests.SameMarksInAnyOrder,
+            ThreadTests.Hits,
             ThreadTests.TwoInside,
             ThreadTests.Log,
             FrameTests.NothingIsAllocated,

@@ -7,59 +7,6 @@ using Crumple;
 /// <summary>Hits from many threads, and two threads where one is allowed.</summary>
 static class ThreadTests
 {
-    const int Threads = 8, Hits = 200, Bodies = 3;
-
-    static CrumpleHitDef Hit(int i)
-    {
-        return Sheet.Hit(i * 37 % 101 / 101f - 0.5f, i * 61 % 103 / 103f - 0.5f, 0.005f + 0.0001f * (i % 300));
-    }
-
-    /// <summary>Damage of every body after all hits, in an order that the threads and the shuffle decide.</summary>
-    static byte[][] Scene(int threads, bool deform, int seed)
-    {
-        using (CrumpleContext context = new CrumpleContext(2))
-        {
-            ExampleSet set = context.CreateExampleSet(Sheet.Def());
-            CrumpleInstanceDef def = CrumpleInstanceDef.Default;
-            def.MarkCapacity = 4096; // never reached: no merging, so neither order nor moment matters
-            Instance[] bodies = Enumerable.Range(0, Bodies).Select(_ => context.CreateInstance(set, in def)).ToArray();
-            foreach (Instance body in bodies) body.RegisterHostBuffer(StridedArray.Of(new CrumpleVec3[Sheet.Vertices]));
-            Random random = new Random(seed);
-            int[] order = Enumerable.Range(0, Threads * Hits).OrderBy(_ => random.Next()).ToArray();
-            List<Exception> errors = new List<Exception>();
-            bool running = true;
-            List<Thread> all = new List<Thread>();
-            for (int t = 0; t < threads; t++)
-            {
-                int first = t;
-                all.Add(Start(errors, () =>
-                {
-                    for (int i = first; i < order.Length; i += threads)
-                    {
-                        bodies[order[i] % Bodies].Submit(Hit(order[i]));
-                        if (i % 50 != 0) continue;
-                        // Each thread has an error text of its own.
-                        string part = i % 100 == 0 ? "point" : "displacement";
-                        CrumpleHitDef bad = Hit(i);
-                        if (i % 100 == 0) bad.Point.X = float.NaN;
-                        else bad.Displacement.X = float.NaN;
-                        Check.Throws<CrumpleException>(() => bodies[0].Submit(in bad), part);
-                    }
-                }));
-            }
-            Thread deformer = deform ? Start(errors, () =>
-            {
-                while (Volatile.Read(ref running)) context.Deform();
-            }) : null;
-            foreach (Thread thread in all) thread.Join();
-            Volatile.Write(ref running, false);
-            if (deform) deformer.Join();
-            if (errors.Count > 0) throw errors[0];
-            context.Deform();
-            return bodies.Select(body => body.SaveDamage()).ToArray();
-        }
-    }
-
     static Thread Start(List<Exception> errors, Action action)
     {
         Thread thread = new Thread(() =>
@@ -77,14 +24,39 @@ static class ThreadTests
         return thread;
     }
 
-    public static void SameMarksInAnyOrder()
+    /// <summary>Hits may come from any thread, while another deforms. Each thread has an error text of its own.</summary>
+    public static void Hits()
     {
-        byte[][] expected = Scene(1, false, 1);
-        Check.That(expected.Sum(bytes => bytes.Length) > Threads * Hits * 30, "there are marks");
-        for (int round = 0; round < 3; round++)
+        const int threads = 8, hits = 50;
+        using (CrumpleContext context = new CrumpleContext(2))
         {
-            byte[][] found = Scene(Threads, round > 0, 2 + round);
-            for (int b = 0; b < Bodies; b++) Check.That(expected[b].SequenceEqual(found[b]), "body " + b + " is the same bit for bit");
+            CrumpleInstanceDef def = CrumpleInstanceDef.Default;
+            def.MarkCapacity = 4096; // never reached: no marks merge
+            Instance body = context.CreateInstance(context.CreateExampleSet(Sheet.Def()), in def);
+            body.RegisterHostBuffer(StridedArray.Of(new CrumpleVec3[Sheet.Vertices]));
+            List<Exception> errors = new List<Exception>();
+            bool running = true;
+            Thread deformer = Start(errors, () =>
+            {
+                while (Volatile.Read(ref running)) context.Deform();
+            });
+            List<Thread> all = Enumerable.Range(0, threads).Select(t => Start(errors, () =>
+            {
+                CrumpleHitDef bad = Sheet.Hit(0, 0, 0.01f);
+                if (t % 2 == 0) bad.Point.X = float.NaN;
+                else bad.Displacement.X = float.NaN;
+                for (int i = 0; i < hits; i++)
+                {
+                    body.Submit(Sheet.Hit(i * 37 % 101 / 101f - 0.5f, i * 61 % 103 / 103f - 0.5f, 0.005f + 0.0001f * t));
+                    Check.Throws<CrumpleException>(() => body.Submit(in bad), t % 2 == 0 ? "point" : "displacement");
+                }
+            })).ToList();
+            foreach (Thread thread in all) thread.Join();
+            Volatile.Write(ref running, false);
+            deformer.Join();
+            if (errors.Count > 0) throw errors[0];
+            context.Deform();
+            Check.That(body.GetInfo().MarkCount > hits, "there are marks");
         }
     }
 
@@ -112,7 +84,7 @@ static class ThreadTests
             Check.Fails(CrumpleResult.ErrorConcurrentUse, "another thread", () => context.Dispose());
             Check.Fails(CrumpleResult.ErrorConcurrentUse, "another thread", () => body.Dispose());
             Check.Fails(CrumpleResult.ErrorConcurrentUse, "another thread", () => buffer.Dispose());
-            body.Submit(Hit(1)); // which is allowed
+            body.Submit(Sheet.Hit(0, 0, 0.01f)); // which is allowed
             leave.Set();
             loader.Join();
             Check.Same(0, errors.Count, "errors of the other thread");
