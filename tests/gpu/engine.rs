@@ -43,8 +43,8 @@ pub fn on_each_engine(needs: &Needs<'_>, test: impl Fn(&Engine)) {
         let properties = unsafe { instance.instance.get_physical_device_properties(physical) };
         let name = properties.device_name_as_c_str().unwrap().to_string_lossy().into_owned();
         seen.push(name.clone());
-        let tested =
-            TestedDevice { name: name.clone(), driver: driver(&instance.instance, physical), translated: false };
+        let driver = format!("version {:#x}", properties.driver_version);
+        let tested = TestedDevice { name: name.clone(), driver, translated: false };
         tested.announce();
         let engine = Engine::new(&instance, physical, tested, needs);
         test(&engine);
@@ -53,22 +53,6 @@ pub fn on_each_engine(needs: &Needs<'_>, test: impl Fn(&Engine)) {
         assert!(messages.is_empty(), "on {name}:\n{}", messages.join("\n"));
     }
     note_missing(&seen);
-}
-
-/// The driver of a device, with its version.
-fn driver(instance: &ash::Instance, physical: vk::PhysicalDevice) -> String {
-    let mut driver = vk::PhysicalDeviceDriverProperties::default();
-    // SAFETY: a valid device. One that has the extension fills the struct.
-    unsafe {
-        let extensions = instance.enumerate_device_extension_properties(physical).unwrap_or_default();
-        if !extensions.iter().any(|e| e.extension_name_as_c_str() == Ok(ash::khr::driver_properties::NAME)) {
-            return format!("version {:#x}", instance.get_physical_device_properties(physical).driver_version);
-        }
-        let mut all = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
-        instance.get_physical_device_properties2(physical, &mut all);
-    }
-    let text = |s: Result<&CStr, _>| s.map_or_else(|_| String::new(), |s: &CStr| s.to_string_lossy().into_owned());
-    format!("{} {}", text(driver.driver_name_as_c_str()), text(driver.driver_info_as_c_str()))
 }
 
 /// An instance under validation.
@@ -249,24 +233,27 @@ impl<'a> Engine<'a> {
     /// A buffer full of poison.
     pub fn buffer(&self, size: u64) -> Seen {
         let info = vk::BufferCreateInfo::default().size(size).usage(Seen::USAGE);
-        use vk::MemoryPropertyFlags as P;
         // SAFETY: valid arguments; destroyed in `drop`.
         unsafe {
             let handle = self.device.create_buffer(&info, None).unwrap();
             let needs = self.device.get_buffer_memory_requirements(handle);
-            let memory = self.on.instance.get_physical_device_memory_properties(self.physical);
-            let visible = P::HOST_VISIBLE | P::HOST_COHERENT;
-            let type_ = (0..memory.memory_type_count)
-                .find(|t| {
-                    let flags = memory.memory_types[*t as usize].property_flags;
-                    needs.memory_type_bits >> t & 1 == 1 && flags.contains(visible)
-                })
-                .unwrap();
-            let info = vk::MemoryAllocateInfo::default().allocation_size(needs.size).memory_type_index(type_);
+            let kind = self.memory_type(needs);
+            let info = vk::MemoryAllocateInfo::default().allocation_size(needs.size).memory_type_index(kind);
             let memory = self.device.allocate_memory(&info, None).unwrap();
             self.device.bind_buffer_memory(handle, memory, 0).unwrap();
             self.seen((handle, memory), (0, size))
         }
+    }
+
+    /// A type of memory that the CPU sees.
+    pub fn memory_type(&self, needs: vk::MemoryRequirements) -> u32 {
+        // SAFETY: a valid device.
+        let types = unsafe { self.on.instance.get_physical_device_memory_properties(self.physical) };
+        let visible = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
+        let fits = |t: &u32| {
+            needs.memory_type_bits >> t & 1 == 1 && types.memory_types[*t as usize].property_flags.contains(visible)
+        };
+        (0..types.memory_type_count).find(fits).unwrap()
     }
 
     /// Maps a buffer at an offset of its memory, fills it with poison, and takes over both.

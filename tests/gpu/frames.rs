@@ -146,6 +146,40 @@ fn meshes_that_no_target_shows_leave_the_device() {
     });
 }
 
+/// Each frame is recorded while the two before it are not done, into a buffer of its own, as for meshes that are drawn while the
+/// next is made.
+#[test]
+fn several_frames_are_in_flight() {
+    let set = scenes::cube_set();
+    on_each_device(|gpu| {
+        let layout = TestLayout::everything(&set, 0, 4);
+        let mut instance = folded(&set, 0, 0);
+        let mut slot = || {
+            let buffer = gpu.buffer(layout.size + 4);
+            let target = gpu.add_target(&set, &layout, &buffer).unwrap();
+            (buffer, target, Expected::poison(0))
+        };
+        let mut ring = [slot(), slot(), slot()];
+        let mut steady = 0;
+        for frame in 1..=24 {
+            let (buffer, target, expected) = &mut ring[frame % 3];
+            if frame > 3 {
+                gpu.finish();
+                expected.compare(&gpu.read(buffer), &gpu.device, &format!("frame {}", frame - 3));
+            }
+            hit(&mut instance, 1, frame as u64);
+            gpu.start(&mut [Job { instance: &instance, target }]);
+            *expected = Expected::poison(buffer.words());
+            layout.expect(&mut instance, expected);
+            if frame == 8 {
+                steady = gpu.crumple.objects_made();
+            }
+        }
+        assert_eq!(gpu.crumple.objects_made(), steady, "something is made anew in every frame");
+        (0..3).for_each(|_| gpu.finish());
+    });
+}
+
 #[test]
 fn what_was_not_submitted_is_written_again() {
     let set = scenes::sheet_set();

@@ -6,7 +6,7 @@ use crumple::{Error, ErrorKind, ExampleSet, Instance, InstanceOptions, Rule, Ser
 
 use super::compare::Expected;
 use super::layout::TestLayout;
-use super::{POISON, folded};
+use super::{Lowered, POISON, folded};
 use crate::backend::{BAD_POSITION, Def, HALF_POSITION, Job, OCTAHEDRAL, PACKED_POSITION, Stream, on_each_device};
 use crate::scenes;
 
@@ -74,6 +74,16 @@ fn targets_that_will_not_do_are_refused() {
         let def = Def { tangents, positions, normals: None, ..good };
         refused(gpu.crumple.add_target(&scenes::ball_set(), &def), Unsupported, &["tangent"]);
         gpu.crumple.add_target(&set, &good).unwrap();
+    });
+}
+
+#[test]
+fn workgroup_sizes_that_will_not_do_are_refused() {
+    on_each_device(|gpu| {
+        for workgroup_size in [0, 16, 100, 256] {
+            let made = gpu.lowered(Lowered { workgroup_size, ..Lowered::default() });
+            refused(made, ErrorKind::InvalidArgument, &["workgroup_size", &workgroup_size.to_string(), "power of two"]);
+        }
     });
 }
 

@@ -132,20 +132,6 @@ fn dents_grow_as_on_the_cpu() {
 }
 
 #[test]
-fn positions_alone_and_normals_alone_are_the_same() {
-    let set = scenes::cube_set();
-    let float = Some(Encoding::F32);
-    on_each_device(|gpu| {
-        // Tangents without normals too.
-        let all = [[None; 2], [float, None], [None, float]];
-        for encodings in all.map(|[n, t]| [float, n, t]) {
-            let layout = TestLayout::interleaved(&set, 0, 8, encodings);
-            compare(gpu, "cube", &mut folded(&set, 9, 3), &layout, |_, _| false);
-        }
-    });
-}
-
-#[test]
 fn levels_of_detail_show_the_same_damage() {
     let mesh = scenes::cube(16);
     let examples = scenes::bowls(&mesh, 6, 0.4, 5);
@@ -205,16 +191,18 @@ fn formats_are_converted_as_rust_does() {
     let set = scenes::cube_set();
     let positions = [Encoding::F32, Encoding::F16x4, Encoding::Snorm16x4, Encoding::F32];
     let others = [Encoding::F32, Encoding::Snorm16x4, Encoding::Snorm8x4, Encoding::Octahedral16x2];
+    let pairs = positions.into_iter().zip(others);
+    let mut all: Vec<_> = pairs.flat_map(|(p, n)| others.map(|t| [p, n, t].map(Some))).collect();
+    // Positions alone, and normals and tangents without the others.
+    let float = Some(Encoding::F32);
+    all.extend([[float, None, None], [float, float, None], [float, None, float]]);
     on_each_device(|gpu| {
-        for (p, n) in positions.into_iter().zip(others) {
-            for t in others {
-                let layout = TestLayout::interleaved(&set, 0, 16, [Some(p), Some(n), Some(t)]);
-                let name = format!("{p:?} {n:?} {t:?}");
-                compare(gpu, &name, &mut folded(&set, 9, 5), &layout, |i, frame| {
-                    hit(i, 9, frame);
-                    frame < 2
-                });
-            }
+        for encodings in &all {
+            let layout = TestLayout::interleaved(&set, 0, 16, *encodings);
+            compare(gpu, &format!("{encodings:?}"), &mut folded(&set, 9, 5), &layout, |i, frame| {
+                hit(i, 9, frame);
+                frame < 2
+            });
         }
     });
 }

@@ -1,5 +1,6 @@
 //! The library on a Vulkan device, for the tests in `tests/gpu`.
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 
 use crumple::vulkan::vk;
@@ -40,6 +41,8 @@ pub struct Gpu<'e> {
     pub crumple: Device,
     engine: &'e Engine<'e>,
     frame: u64,
+    /// Frames that are not waited for yet.
+    started: VecDeque<(u64, vk::Fence)>,
 }
 
 /// A buffer that the CPU sees.
@@ -61,18 +64,21 @@ impl Buffer {
 /// Runs a test on each device there is.
 pub fn on_each_device(test: impl Fn(&mut Gpu<'_>)) {
     harness::on_each_device(|engine| {
-        test(&mut Gpu { device: engine.tested.clone(), crumple: engine.crumple(), engine, frame: 0 })
+        test(&mut Gpu::new(engine, engine.crumple()));
     });
 }
 
 impl<'e> Gpu<'e> {
+    fn new(engine: &'e Engine<'e>, crumple: Device) -> Self {
+        Gpu { device: engine.tested.clone(), crumple, engine, frame: 0, started: VecDeque::new() }
+    }
+
     /// The same device with lower limits.
     pub fn lowered(&self, lowered: Lowered) -> Result<Gpu<'e>, Error> {
         let def = tampered(self.engine.def(), Tampered { lowered, ..Tampered::default() });
         let def = DeviceDef { workgroup_size: lowered.workgroup_size, ..def };
         // SAFETY: valid handles.
-        let crumple = unsafe { Device::new(&def) }?;
-        Ok(Gpu { device: self.device.clone(), crumple, engine: self.engine, frame: 0 })
+        Ok(Self::new(self.engine, unsafe { Device::new(&def) }?))
     }
 
     pub fn buffer(&mut self, bytes: u64) -> Buffer {
@@ -91,6 +97,29 @@ impl<'e> Gpu<'e> {
         let report = self.engine.run(|c| unsafe { self.crumple.record(c, self.frame, jobs) });
         self.frame_done();
         report
+    }
+
+    /// Records and submits a frame that is not waited for.
+    pub fn start(&mut self, jobs: &mut [Job<'_>]) {
+        self.frame += 1;
+        let commands = self.engine.begin(vk::CommandBufferLevel::PRIMARY);
+        // SAFETY: the command buffer is recording.
+        unsafe { self.crumple.record(commands, self.frame, jobs) }.unwrap();
+        // SAFETY: a valid device; destroyed in `finish`.
+        let fence = unsafe { self.engine.device.create_fence(&Default::default(), None) }.unwrap();
+        self.engine.submit(commands, fence);
+        self.started.push_back((self.frame, fence));
+    }
+
+    /// Waits for the oldest frame of `start`.
+    pub fn finish(&mut self) {
+        let (frame, fence) = self.started.pop_front().unwrap();
+        // SAFETY: a valid fence, which nothing uses after that.
+        unsafe {
+            self.engine.device.wait_for_fences(&[fence], true, u64::MAX).unwrap();
+            self.engine.device.destroy_fence(fence, None);
+        }
+        self.crumple.completed(frame);
     }
 
     /// Records a frame that is not submitted.

@@ -26,10 +26,6 @@ fn devices_that_will_not_do_are_refused() {
         refused(new(&DeviceDef { physical_device, ..def.clone() }), InvalidArgument, &["VkPhysicalDevice"]);
         refused(new(&DeviceDef { device: vk::Device::null(), ..def.clone() }), InvalidArgument, &["VkDevice"]);
         refused(new(&DeviceDef { queue_family: 7, ..def.clone() }), InvalidArgument, &["queue_family", "7", "0"]);
-        for workgroup_size in [0, 16, 100, 256] {
-            let size = workgroup_size.to_string();
-            refused(new(&DeviceDef { workgroup_size, ..def.clone() }), InvalidArgument, &["workgroup_size", &size]);
-        }
         for name in [c"vkGetDeviceProcAddr", c"vkGetPhysicalDeviceProperties", c"vkCmdDispatch", c"vkCreateBuffer"] {
             let how = Tampered { without: Some(name), ..Tampered::default() };
             refused(new(&tampered(def.clone(), how)), Unsupported, &[name.to_str().unwrap()]);

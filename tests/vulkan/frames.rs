@@ -1,13 +1,11 @@
-//! Frames in flight, secondary command buffers, other queue families, cached pipelines.
+//! Secondary command buffers, other queue families, cached pipelines.
 
-use crumple::ExampleSet;
-use crumple::vulkan::{BufferDef, Device, RecordJob, Target, vk};
-use std::sync::Arc;
+use crumple::vulkan::{BufferDef, Device, RecordJob, vk};
 
 use crate::gpu::compare::Expected;
 use crate::gpu::layout::TestLayout;
 use crate::gpu::{folded, hit};
-use crate::harness::{Engine, Tampered, families, on_each_device, tampered};
+use crate::harness::{Tampered, families, on_each_device, tampered};
 use crate::scenes;
 
 #[test]
@@ -44,69 +42,28 @@ fn buffers_of_other_queue_families_are_taken_and_given_back() {
     });
 }
 
-/// Records frame after frame without waiting for any but the third before.
-fn in_flight(engine: &Engine, set: &Arc<ExampleSet>, level: vk::CommandBufferLevel) {
-    const FLIGHT: usize = 3;
-    let mut crumple = engine.crumple();
-    let layout = TestLayout::everything(set, 0, 4);
-    let mut instance = folded(set, 0, 0);
-    // A buffer for each frame in flight, as for meshes that are drawn while the next is made.
-    let ring: Vec<_> = (0..FLIGHT).map(|_| engine.target_buffer(&mut crumple, layout.size + 4)).collect();
-    let mut targets: Vec<Target> =
-        ring.iter().map(|(_, id)| crumple.add_target(set, &layout.def(*id)).unwrap()).collect();
-    let info = vk::FenceCreateInfo::default().flags(vk::FenceCreateFlags::SIGNALED);
-    // SAFETY: valid arguments, here and below.
-    let fences: Vec<vk::Fence> =
-        (0..FLIGHT).map(|_| unsafe { engine.device.create_fence(&info, None) }.unwrap()).collect();
-    let (mut steady, mut all) = (0, vec![Expected::poison(0); FLIGHT]);
-    for frame in 1..=24u64 {
-        let i = frame as usize % FLIGHT;
-        // SAFETY: as above.
-        unsafe {
-            engine.device.wait_for_fences(&[fences[i]], true, u64::MAX).unwrap();
-            engine.device.reset_fences(&[fences[i]]).unwrap();
-        }
-        if frame > FLIGHT as u64 {
-            crumple.completed(frame - FLIGHT as u64);
-            all[i].compare(ring[i].0.words(), &engine.tested, &format!("frame {}", frame - FLIGHT as u64));
-        }
-        hit(&mut instance, 1, frame);
-        let commands = engine.begin(vk::CommandBufferLevel::PRIMARY);
-        let mut jobs = [RecordJob { instance: &instance, target: &mut targets[i] }];
-        if level == vk::CommandBufferLevel::SECONDARY {
-            let inner = engine.begin(level);
-            // SAFETY: as above.
-            unsafe {
-                crumple.record(inner, frame, &mut jobs).unwrap();
-                engine.device.end_command_buffer(inner).unwrap();
-                engine.device.cmd_execute_commands(commands, &[inner]);
-            }
-        } else {
-            // SAFETY: as above.
-            unsafe { crumple.record(commands, frame, &mut jobs) }.unwrap();
-        }
-        engine.submit(commands, fences[i]);
-        all[i] = Expected::poison(ring[i].0.words().len());
-        layout.expect(&mut instance, &mut all[i]);
-        if frame == 8 {
-            steady = crumple.objects_made();
-        }
-    }
-    assert_eq!(crumple.objects_made(), steady, "something is made anew in every frame");
-    engine.wait();
-    crumple.completed(24);
-    // SAFETY: the device has done all.
-    fences.iter().for_each(|f| unsafe { engine.device.destroy_fence(*f, None) });
-}
-
-#[test]
-fn several_frames_are_in_flight() {
-    on_each_device(|engine| in_flight(engine, &scenes::cube_set(), vk::CommandBufferLevel::PRIMARY));
-}
-
 #[test]
 fn secondary_command_buffers_do() {
-    on_each_device(|engine| in_flight(engine, &scenes::ball_set(), vk::CommandBufferLevel::SECONDARY));
+    let set = scenes::ball_set();
+    on_each_device(|engine| {
+        let mut crumple = engine.crumple();
+        let layout = TestLayout::everything(&set, 0, 4);
+        let (seen, id) = engine.target_buffer(&mut crumple, layout.size + 4);
+        let mut target = crumple.add_target(&set, &layout.def(id)).unwrap();
+        let mut instance = folded(&set, 3, 7);
+        let inner = engine.begin(vk::CommandBufferLevel::SECONDARY);
+        let mut jobs = [RecordJob { instance: &instance, target: &mut target }];
+        // SAFETY: the command buffers are recording.
+        unsafe {
+            crumple.record(inner, 1, &mut jobs).unwrap();
+            engine.device.end_command_buffer(inner).unwrap();
+            engine.run(|c| engine.device.cmd_execute_commands(c, &[inner]));
+        }
+        crumple.completed(1);
+        let mut wanted = Expected::poison(seen.words().len());
+        layout.expect(&mut instance, &mut wanted);
+        wanted.compare(seen.words(), &engine.tested, "secondary");
+    });
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::os::fd::{AsRawFd, FromRawFd, OwnedFd};
 use std::process::{Command, Stdio};
 
 use ash::khr;
-use crumple::vulkan::{BufferId, ImportDef, OwnDevice, OwnDeviceDef, RecordJob, SemaphoreId, Shared, Target, vk};
+use crumple::vulkan::{BufferId, ImportDef, OwnDevice, OwnDeviceDef, RecordJob, SemaphoreId, Shared, vk};
 use crumple::{Error, ErrorKind, Instance};
 
 use crate::gpu::compare::Expected;
@@ -33,30 +33,21 @@ fn uuid(engine: &Engine) -> [u8; 16] {
 }
 
 /// As an engine does it: `guard` bytes lie before the buffer and after it in the same memory.
-fn export(engine: &Engine, size: u64, dedicated: bool) -> Exported {
+fn export(engine: &Engine, size: u64) -> Exported {
     let mut external = vk::ExternalMemoryBufferCreateInfo::default().handle_types(TYPE);
     let info = vk::BufferCreateInfo::default().size(size).usage(Seen::USAGE).push_next(&mut external);
     // SAFETY: valid arguments; the engine destroys both.
     unsafe {
         let handle = engine.device.create_buffer(&info, None).unwrap();
         let needs = engine.device.get_buffer_memory_requirements(handle);
-        let guard = if dedicated { 0 } else { 4096u64.next_multiple_of(needs.alignment) };
-        let types = engine.instance().get_physical_device_memory_properties(engine.physical);
-        let seen_by_cpu = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
-        let fits = |t: &u32| {
-            needs.memory_type_bits >> t & 1 == 1 && types.memory_types[*t as usize].property_flags.contains(seen_by_cpu)
-        };
-        let memory_type = (0..types.memory_type_count).find(fits).unwrap();
+        let guard = 4096u64.next_multiple_of(needs.alignment);
+        let memory_type = engine.memory_type(needs);
         let mut export = vk::ExportMemoryAllocateInfo::default().handle_types(TYPE);
-        let mut only = vk::MemoryDedicatedAllocateInfo::default().buffer(handle);
         let memory_size = needs.size + 2 * guard;
-        let mut allocate = vk::MemoryAllocateInfo::default()
+        let allocate = vk::MemoryAllocateInfo::default()
             .allocation_size(memory_size)
             .memory_type_index(memory_type)
             .push_next(&mut export);
-        if dedicated {
-            allocate = allocate.push_next(&mut only);
-        }
         let memory = engine.device.allocate_memory(&allocate, None).unwrap();
         engine.device.bind_buffer_memory(handle, memory, guard).unwrap();
         let get = khr::external_memory_fd::Device::new(engine.instance(), &engine.device);
@@ -67,7 +58,7 @@ fn export(engine: &Engine, size: u64, dedicated: bool) -> Exported {
             memory: Shared::OpaqueFd(fd.as_raw_fd()),
             memory_size,
             memory_type,
-            dedicated,
+            dedicated: false,
             offset: guard,
             size,
             usage: Seen::USAGE,
@@ -102,45 +93,6 @@ fn hand_over(engine: &Engine, buffer: vk::Buffer, ours: bool) {
     // SAFETY: valid arguments.
     engine.run(|c| unsafe {
         engine.device.cmd_pipeline_barrier(c, all, all, vk::DependencyFlags::empty(), &[], &[barrier], &[]);
-    });
-}
-
-#[test]
-fn exported_memory_is_written_by_a_device_of_its_own() {
-    let set = scenes::sheet_set();
-    on_each_device_with(&EXTENSIONS, |engine| {
-        for dedicated in [false, true] {
-            let layouts = [
-                TestLayout::everything(&set, 0, 16),
-                TestLayout::everything(&set, 0, 32 + TestLayout::everything(&set, 0, 0).size),
-            ];
-            let exported = export(engine, layouts[1].offset + layouts[1].size + 64, dedicated);
-            let mut own = own(engine);
-            let id = import(&mut own, &exported.def).unwrap();
-            let mut instances = [folded(&set, 3, 1), folded(&set, 2, 2)];
-            let mut targets: Vec<Target> =
-                layouts.iter().map(|p| own.device().add_target(&set, &p.def(id)).unwrap()).collect();
-            let mut wanted = Expected::poison(exported.seen.words().len());
-            for round in 0..4 {
-                hand_over(engine, exported.seen.handle, false);
-                let jobs = instances.iter().zip(&mut targets);
-                let mut jobs: Vec<RecordJob<'_>> =
-                    jobs.map(|(instance, target)| RecordJob { instance, target }).collect();
-                let (frame, report) = own.submit(&mut jobs, &[], &[]).unwrap();
-                assert_eq!((frame, report.blocks_written > 0), (round + 1, round != 2));
-                assert!(own.wait(frame, u64::MAX).unwrap());
-                hand_over(engine, exported.seen.handle, true);
-                instances.iter_mut().zip(&layouts).for_each(|(i, p)| p.expect(i, &mut wanted));
-                wanted.compare(exported.seen.words(), &engine.tested, &format!("round {round}, dedicated {dedicated}"));
-                if round != 1 {
-                    hit(&mut instances[round as usize % 2], 1, round + 10);
-                }
-            }
-            own.remove_buffer(id).unwrap();
-            let jobs = &mut [RecordJob { instance: &instances[0], target: &mut targets[0] }];
-            assert_eq!(own.submit(jobs, &[], &[]).unwrap_err().kind(), ErrorKind::InvalidArgument);
-            assert_eq!(own.wait(99, 0).unwrap_err().kind(), ErrorKind::InvalidArgument);
-        }
     });
 }
 
@@ -190,7 +142,7 @@ fn semaphores_order_the_two_devices_where_the_driver_has_them() {
         };
         let (wait, signal) = (import_semaphore(&ready.1), import_semaphore(&done.1));
         let layout = TestLayout::everything(&set, 0, 0);
-        let exported = export(engine, layout.size, false);
+        let exported = export(engine, layout.size);
         let id = import(&mut own, &exported.def).unwrap();
         let mut instance = folded(&set, 2, 4);
         let mut target = own.device().add_target(&set, &layout.def(id)).unwrap();
@@ -223,7 +175,7 @@ fn semaphores_order_the_two_devices_where_the_driver_has_them() {
 fn what_is_no_memory_of_the_driver_is_refused() {
     use ErrorKind::{BufferTooSmall, InvalidArgument, Unsupported};
     on_each_device_with(&EXTENSIONS, |engine| {
-        let exported = export(engine, 4096, false);
+        let exported = export(engine, 4096);
         let mut own = own(engine);
         let good = exported.def;
         let mut refused = |def: ImportDef, kind: ErrorKind, words: &[&str]| {
@@ -278,7 +230,7 @@ fn across() -> (Instance, TestLayout) {
 fn another_process_writes_exported_memory() {
     on_each_device_with(&EXTENSIONS, |engine| {
         let (mut instance, layout) = across();
-        let exported = export(engine, layout.offset + layout.size + 8, false);
+        let exported = export(engine, layout.offset + layout.size + 8);
         hand_over(engine, exported.seen.handle, false);
         let ImportDef { memory_size, memory_type, offset, size, .. } = exported.def;
         let uuid: String = uuid(engine).iter().map(|b| format!("{b:02x}")).collect();

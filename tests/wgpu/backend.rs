@@ -1,5 +1,6 @@
 //! The library on a wgpu device, for the tests in `tests/gpu`.
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 
 use crumple::wgpu::wgpu::{self, VertexFormat};
@@ -39,7 +40,7 @@ pub fn on_each_device(test: impl Fn(&mut Gpu)) {
         let device = TestedDevice::of(adapter);
         device.announce();
         let crumple = Device::headless(&headless(&device.name)).unwrap();
-        test(&mut Gpu { device, crumple });
+        test(&mut Gpu::new(device, crumple));
     }
     note_missing(&all.into_iter().map(|a| a.name).collect::<Vec<_>>());
 }
@@ -60,6 +61,8 @@ pub fn headless(name: &str) -> HeadlessDef<'_> {
 pub struct Gpu {
     pub device: TestedDevice,
     pub crumple: Device,
+    /// Frames that are not submitted yet.
+    started: VecDeque<wgpu::CommandBuffer>,
 }
 
 /// A buffer that can be read back.
@@ -76,6 +79,10 @@ impl Buffer {
 }
 
 impl Gpu {
+    fn new(device: TestedDevice, crumple: Device) -> Self {
+        Gpu { device, crumple, started: VecDeque::new() }
+    }
+
     /// Another device of the library's on the same adapter.
     pub fn another(&self) -> Device {
         Device::headless(&headless(&self.device.name)).unwrap()
@@ -96,7 +103,7 @@ impl Gpu {
     pub fn hosted(&self, change: impl Fn(&mut wgpu::Limits), def: &DeviceDef) -> Result<Gpu, Error> {
         let [(device, queue), _] = self.hosts(change);
         let tested = TestedDevice { translated: true, ..self.device.clone() };
-        Ok(Gpu { device: tested, crumple: Device::new(&device, &queue, def)? })
+        Ok(Self::new(tested, Device::new(&device, &queue, def)?))
     }
 
     /// A host's device with lower limits.
@@ -120,6 +127,18 @@ impl Gpu {
     /// Submits a frame.
     pub fn run(&mut self, jobs: &mut [Job<'_>]) -> Result<Report, Error> {
         self.crumple.submit(jobs)
+    }
+
+    /// Encodes a frame that is submitted later.
+    pub fn start(&mut self, jobs: &mut [Job<'_>]) {
+        let mut encoder = self.crumple.device().create_command_encoder(&Default::default());
+        self.crumple.encode(&mut encoder, jobs).unwrap();
+        self.started.push_back(encoder.finish());
+    }
+
+    /// Submits the oldest frame of `start`.
+    pub fn finish(&mut self) {
+        self.crumple.queue().submit(self.started.pop_front());
     }
 
     /// Encodes a frame that is not submitted.

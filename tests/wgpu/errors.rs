@@ -1,8 +1,8 @@
-//! Devices, buffers and readings that are refused.
+//! Devices and buffers that are refused.
 
+use crumple::ErrorKind;
 use crumple::wgpu::wgpu;
 use crumple::wgpu::{Device, DeviceDef, EncodeJob, HeadlessDef, adapters};
-use crumple::{ErrorKind, VertexMemory};
 
 use crate::backend::{buffer, on_each_device};
 use crate::gpu::folded;
@@ -12,7 +12,7 @@ use crate::scenes;
 
 #[test]
 fn devices_that_will_not_do_are_refused() {
-    use ErrorKind::{InvalidArgument, Unsupported};
+    use ErrorKind::Unsupported;
     let def = HeadlessDef { adapter: Some("no such thing"), ..HeadlessDef::default() };
     let there: Vec<String> = adapters(def.backends).into_iter().map(|a| a.name).collect();
     let mut words = vec!["no adapter named \"no such thing\""];
@@ -21,11 +21,6 @@ fn devices_that_will_not_do_are_refused() {
     let none = HeadlessDef { backends: wgpu::Backends::empty(), ..HeadlessDef::default() };
     refused(Device::headless(&none), Unsupported, &["no adapter", "none"]);
     on_each_device(|gpu| {
-        let [(device, queue), _] = gpu.hosts(|_| ());
-        for workgroup_size in [0, 16, 100, 256] {
-            let made = Device::new(&device, &queue, &DeviceDef { workgroup_size });
-            refused(made, InvalidArgument, &["workgroup_size", &workgroup_size.to_string(), "power of two"]);
-        }
         let lower = |change: fn(&mut wgpu::Limits), words: &[&str]| {
             let [(device, queue), _] = gpu.hosts(change);
             refused(Device::new(&device, &queue, &DeviceDef::default()), Unsupported, words);
@@ -63,37 +58,6 @@ fn buffers_that_will_not_do_are_refused() {
         let instance = folded(&set, 6, 1);
         let job = EncodeJob { instance: &instance, target: &mut target };
         refused(gpu.run(&mut [job]), Vulkan, &["submitting", "destroyed"]);
-    });
-}
-
-#[test]
-fn readings_that_will_not_do_are_refused() {
-    use ErrorKind::{BufferTooSmall, InvalidArgument, Misaligned, Unsupported};
-    let set = scenes::ball_set();
-    on_each_device(|gpu| {
-        let mut crumple = gpu.another();
-        let layout = TestLayout::everything(&set, 0, 0);
-        let seen = buffer(&crumple, layout.size);
-        let mut bytes = [7; 8];
-        refused(crumple.read(&seen, 2, &mut bytes), Misaligned, &["offset", "2"]);
-        refused(crumple.read(&seen, 0, &mut bytes[..3]), Misaligned, &["bytes to read", "3"]);
-        refused(crumple.read(&seen, layout.size - 4, &mut bytes), BufferTooSmall, &["buffer"]);
-        refused(crumple.read(&seen, u64::MAX - 3, &mut bytes), BufferTooSmall, &["buffer"]);
-        let usage = wgpu::BufferUsages::STORAGE;
-        let descriptor = wgpu::BufferDescriptor { label: None, size: 64, usage, mapped_at_creation: false };
-        let sealed = crumple.device().create_buffer(&descriptor);
-        refused(crumple.read(&sealed, 0, &mut bytes), InvalidArgument, &["usage", "COPY_SRC"]);
-        assert_eq!(bytes, [7; 8]);
-        let target = crumple.add_target(&set, &layout.def(&seen)).unwrap();
-        let count = set.vertex_count();
-        let (mut p, mut t) = (vec![[0.0; 3]; count], vec![[0.0; 4]; count]);
-        let mut memory = VertexMemory::separate(&mut p, None, Some(&mut t)).unwrap();
-        refused(crumple.read_vertices(&set, &target, &mut memory), Unsupported, &["tangents"]);
-        let mut memory = VertexMemory::separate(&mut p[1..], None, None).unwrap();
-        refused(crumple.read_vertices(&set, &target, &mut memory), BufferTooSmall, &["position"]);
-        let other = scenes::cube_set();
-        let mut memory = VertexMemory::separate(&mut p, None, None).unwrap();
-        refused(crumple.read_vertices(&other, &target, &mut memory), InvalidArgument, &["set"]);
     });
 }
 

@@ -7,7 +7,6 @@ mod backend;
 #[cfg(feature = "cli")]
 mod command;
 mod errors;
-mod frames;
 #[path = "../gpu/mod.rs"]
 mod gpu;
 mod read;

@@ -1,11 +1,12 @@
 //! Kernels that wgpu translates, for a host's device that takes no SPIR-V. Its driver may fuse and reorder operations, so the
 //! vertices are off by a few units, as src/wgpu/mod.rs states.
 
-use crumple::wgpu::{Device, EncodeJob};
+use crumple::wgpu::{Device, DeviceDef, EncodeJob, wgpu};
 
 use crate::backend::{buffer, on_each_device, read};
 use crate::gpu::compare::{Bounds, Expected};
 use crate::gpu::folded;
+use crate::gpu::frames::dozen;
 use crate::gpu::layout::TestLayout;
 use crate::gpu::vertices::sets;
 
@@ -51,6 +52,16 @@ fn translated_kernels_are_off_by_a_few_units_at_most() {
             };
             let good = worst.iter().zip([position, direction, direction]).all(|(off, most)| *off <= most);
             assert!(good, "{name} on {on}: {worst:?}");
+        }
+    });
+}
+
+#[test]
+fn a_device_that_only_has_what_webgpu_guarantees_will_do() {
+    on_each_device(|gpu| {
+        for limits in [wgpu::Limits::default(), wgpu::Limits::downlevel_defaults()] {
+            let mut hosted = gpu.hosted(|l| *l = limits.clone(), &DeviceDef::default()).unwrap();
+            assert_eq!(dozen(&mut hosted), 1);
         }
     });
 }
