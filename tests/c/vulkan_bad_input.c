@@ -11,8 +11,6 @@
 
 #include <crumple_parts.h>
 
-#include <pthread.h>
-
 static Heap heap;
 static Host host;
 static CrumpleContext *context;
@@ -47,9 +45,6 @@ static void devices(void) {
     } while (0)
     REFUSED(NULL_POINTER, "def.", def = crumple_vulkan_attach_def_default());
     REFUSED(NULL_POINTER, "def.get_instance_proc_addr", def.get_instance_proc_addr = NULL);
-    REFUSED(NULL_POINTER, "def.instance", def.instance = NULL);
-    REFUSED(NULL_POINTER, "def.physical_device", def.physical_device = NULL);
-    REFUSED(NULL_POINTER, "def.device", def.device = NULL);
     REFUSED(NULL_POINTER, "def.pipeline_cache", def.pipeline_cache_size = 8);
     REFUSED(CRUMPLE_ERROR_STRUCT_SIZE, "crumple_vulkan_attach_def_default", def.struct_size -= 4);
 #undef REFUSED
@@ -110,21 +105,16 @@ static void buffers(void) {
     FAILS(CRUMPLE_ERROR_INVALID_ID, "buffer", crumple_buffer_unregister(context, buffer));
 }
 
-static void hit(float x, float y, float depth) {
-    CrumpleHitDef def = displacement_at(x, y, depth);
-    OK(crumple_instance_submit_hit(context, body, &def, NULL));
-}
-
 static void recordings(void) {
     const CrumpleVulkanBufferDef def = buffer_def(&vertices);
     CrumpleRecordReport report;
     CrumpleBuffer buffer;
     OK(crumple_buffer_register_vulkan(context, body, &def, &buffer));
     const CrumpleBuffer twice[2] = {buffer, buffer}, null = {0, 0, 0};
-    hit(0, 0, 0.03f);
+    CrumpleHitDef hit = displacement_at(0, 0, 0.03f);
+    OK(crumple_instance_submit_hit(context, body, &hit, NULL));
     VkCommandBuffer commands = host_begin(&host);
     FAILS_KEEPING(NULL_POINTER, "command_buffer", report, crumple_vulkan_record(context, NULL, 1, NULL, 0, &report));
-    FAILS_KEEPING(INVALID, "frame is 0", report, crumple_vulkan_record(context, commands, 0, NULL, 0, &report));
     FAILS_KEEPING(CRUMPLE_ERROR_INVALID_ID, "buffers[0]", report, crumple_vulkan_record(context, commands, 1, &null, 1, &report));
     FAILS(INVALID, "twice", crumple_vulkan_record(context, commands, 1, twice, 2, NULL));
     FAILS(NULL_POINTER, "buffers", crumple_vulkan_record(context, commands, 1, NULL, 2, NULL));
@@ -135,10 +125,9 @@ static void recordings(void) {
     expect_vertices(&host, &vertices, context, body);
 
     // What was not submitted is written again, whole.
-    hit(0.2f, 0.2f, 0.02f);
+    OK(crumple_instance_submit_hit(context, body, &hit, NULL));
     OK(crumple_vulkan_complete_frames(context, 7));
     commands = host_begin(&host);
-    FAILS(INVALID, "frame is 7", crumple_vulkan_record(context, commands, 7, NULL, 0, NULL));
     OK(crumple_vulkan_record(context, commands, 8, NULL, 0, &report));
     FACT(report.dispatches == 1 && report.blocks_skipped > 0);
     OK(crumple_vulkan_discard_frames(context, 8));
@@ -156,59 +145,6 @@ static void recordings(void) {
     const unsigned long calls = heap.calls;
     OK(crumple_vulkan_record(context, &host, 10, NULL, 0, &report)); // nothing changed: nothing is touched or allocated
     FACT(report.blocks_written == 0 && report.dispatches == 0 && heap.calls == calls);
-    OK(crumple_buffer_unregister(context, buffer));
-}
-
-// --- Two threads record at once.
-
-static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
-static pthread_cond_t changed = PTHREAD_COND_INITIALIZER;
-static int inside, leave;
-
-// Holds the recording thread up inside crumple_vulkan_record().
-static void hold_up(VkCommandBuffer commands) {
-    (void)commands;
-    pthread_mutex_lock(&lock);
-    inside = 1;
-    pthread_cond_broadcast(&changed);
-    while (!leave) pthread_cond_wait(&changed, &lock);
-    pthread_mutex_unlock(&lock);
-}
-
-static void *record(void *commands) {
-    OK(crumple_vulkan_record(context, commands, 20, NULL, 0, NULL));
-    return NULL;
-}
-
-static void threads(void) {
-    const CrumpleResult concurrent = CRUMPLE_ERROR_CONCURRENT_USE;
-    const CrumpleVulkanBufferDef def = buffer_def(&vertices);
-    CrumpleBuffer buffer;
-    pthread_t other;
-    OK(crumple_buffer_register_vulkan(context, body, &def, &buffer));
-    VkCommandBuffer commands = host_begin(&host);
-    dispatching = hold_up;
-    FACT(pthread_create(&other, NULL, record, commands) == 0);
-    pthread_mutex_lock(&lock);
-    while (!inside) pthread_cond_wait(&changed, &lock);
-    pthread_mutex_unlock(&lock);
-    FAILS(concurrent, "crumple_vulkan_record", crumple_vulkan_record(context, commands, 21, NULL, 0, NULL));
-    FAILS(concurrent, "crumple_vulkan_complete_frames", crumple_vulkan_complete_frames(context, 20));
-    FAILS(concurrent, "crumple_vulkan_detach", crumple_vulkan_detach(context));
-    FAILS(concurrent, "crumple_buffer_unregister", crumple_buffer_unregister(context, buffer));
-    FAILS(concurrent, "crumple_context_destroy", crumple_context_destroy(context));
-    hit(-0.2f, 0.1f, 0.025f); // hits may come at any time
-    pthread_mutex_lock(&lock);
-    leave = 1;
-    pthread_cond_broadcast(&changed);
-    pthread_mutex_unlock(&lock);
-    pthread_join(other, NULL);
-    dispatching = NULL;
-    host_run(&host, commands);
-    OK(crumple_vulkan_complete_frames(context, 20));
-    run_frame(&host, context, 21);
-    expect_vertices(&host, &vertices, context, body);
-    OK(crumple_vulkan_complete_frames(context, 21));
     OK(crumple_buffer_unregister(context, buffer));
 }
 
@@ -289,7 +225,6 @@ int main(void) {
     devices();
     buffers();
     recordings();
-    threads();
     OK(crumple_vulkan_detach(context));
 #ifdef SHARES_FILE_DESCRIPTORS
     shared_memory();

@@ -1,4 +1,4 @@
-// What the Vulkan tests share: a sheet's vertices in a VkBuffer, and a loader that can hold up dispatches.
+// What the Vulkan tests share: a sheet's vertices in a VkBuffer.
 #ifndef VULKAN_SUPPORT_H
 #define VULKAN_SUPPORT_H
 
@@ -10,34 +10,9 @@
 // Position, normal, tangent.
 enum { FLOATS = 10, STRIDE = FLOATS * 4, GUARD = 4096, RANGE = VERTICES * STRIDE };
 
-// --- The loader.
-
-static void (*dispatching)(VkCommandBuffer commands); // called at each vkCmdDispatch; null: nothing
-static PFN_vkGetDeviceProcAddr real_get_device;
-static PFN_vkCmdDispatch real_dispatch;
-
-static VKAPI_ATTR void VKAPI_CALL dispatch(VkCommandBuffer commands, uint32_t x, uint32_t y, uint32_t z) {
-    if (dispatching) dispatching(commands);
-    real_dispatch(commands, x, y, z);
-}
-
-static VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL get_device(VkDevice device, const char *name) {
-    const PFN_vkVoidFunction found = real_get_device(device, name);
-    if (!found || strcmp(name, "vkCmdDispatch") != 0) return found;
-    real_dispatch = (PFN_vkCmdDispatch)found;
-    return (PFN_vkVoidFunction)dispatch;
-}
-
-static VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL get_instance(VkInstance instance, const char *name) {
-    const PFN_vkVoidFunction found = vkGetInstanceProcAddr(instance, name);
-    if (!found || strcmp(name, "vkGetDeviceProcAddr") != 0) return found;
-    real_get_device = (PFN_vkGetDeviceProcAddr)found;
-    return (PFN_vkVoidFunction)get_device;
-}
-
 static CrumpleVulkanAttachDef vulkan_def(const Host *host) {
     CrumpleVulkanAttachDef def = crumple_vulkan_attach_def_default();
-    def.get_instance_proc_addr = (CrumpleVulkanFunction)get_instance;
+    def.get_instance_proc_addr = (CrumpleVulkanFunction)vkGetInstanceProcAddr;
     def.instance = host->instance;
     def.physical_device = host->physical_device;
     def.device = host->device;

@@ -12,7 +12,7 @@ use crate::workspace::{Workspace, empty_directory};
 const FEATURES: [&str; 3] = ["--no-default-features", "--features", "capi"];
 
 /// The tests in which threads share something: the task systems, inboxes, and everything that several threads do in the C interface.
-const THREADED: [&str; 4] = ["base::tasks", "capi::thread_tests", "capi::recording_tests", "instance::schedules"];
+const THREADED: [&str; 3] = ["base::tasks", "capi::thread_tests", "instance::schedules"];
 
 /// The modules that Miri interprets within some minutes. Most others build sets or load files, which takes it hours.
 const INTERPRETED: [&str; 5] = ["base::", "capi::boundary", "capi::check", "capi::deform", "capi::ids"];
