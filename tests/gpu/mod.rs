@@ -6,6 +6,7 @@ pub mod engine;
 pub mod frames;
 pub mod layout;
 pub mod refusals;
+pub mod scene;
 pub mod vertices;
 
 use std::sync::Arc;

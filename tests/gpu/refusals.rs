@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use crumple::{Error, ErrorKind, ExampleSet, Instance, InstanceOptions, Rule, Serial, SetOptions};
 
-use super::compare::Expected;
 use super::layout::TestLayout;
-use super::{Lowered, POISON, folded};
+use super::scene::Scene;
+use super::{Lowered, folded};
 use crate::backend::{BAD_POSITION, Def, HALF_POSITION, Job, OCTAHEDRAL, PACKED_POSITION, Stream, on_each_device};
 use crate::scenes;
 
@@ -93,21 +93,15 @@ fn jobs_of_other_devices_and_sets_are_refused_and_change_nothing() {
     let set = scenes::cube_set();
     on_each_device(|gpu| {
         let mut other = gpu.lowered(Default::default()).unwrap();
-        let layout = TestLayout::everything(&set, 0, 0);
-        let buffer = gpu.buffer(layout.size);
-        let mut target = gpu.add_target(&set, &layout, &buffer).unwrap();
-        let mut instance = folded(&set, 5, 1);
-        let job = Job { instance: &instance, target: &mut target };
-        refused(other.run(&mut [job]), InvalidArgument, &["target of job 0", "another device"]);
+        let mut scene = Scene::of(gpu, &set, 5, 1);
+        refused(other.run(&mut scene.jobs()), InvalidArgument, &["target of job 0", "another device"]);
         let stranger = folded(&scenes::ball_set(), 1, 1);
-        let job = Job { instance: &stranger, target: &mut target };
+        let job = Job { instance: &stranger, target: &mut scene.targets[0] };
         refused(gpu.run(&mut [job]), InvalidArgument, &["instance of job 0", "example set"]);
-        assert!(gpu.read(&buffer).iter().all(|w| *w == POISON) && target.bounds().is_none());
-        // It works after errors.
-        gpu.run(&mut [Job { instance: &instance, target: &mut target }]).unwrap();
-        let mut expected = Expected::poison(buffer.words());
-        layout.expect(&mut instance, &mut expected);
-        expected.compare(&gpu.read(&buffer), &gpu.device, "after errors");
+        assert!(scene.targets[0].bounds().is_none());
+        scene.compare(gpu, "refused");
+        scene.run(gpu);
+        scene.check(gpu, "after errors");
     });
 }
 

@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use crumple::{ExampleSet, Instance, InstanceOptions, Mark, Rule, Serial, SetOptions};
 
-use super::compare::Expected;
 use super::layout::TestLayout;
+use super::scene::Scene;
 use super::{folded, hit};
-use crate::backend::{Encoding, Gpu, Job, on_each_device};
+use crate::backend::{Encoding, Gpu, on_each_device};
 use crate::scenes::{self, Dice};
 
 /// Bodies of every kind: exact and baked, in each width, carried and anchored, with a held rim.
@@ -65,18 +65,15 @@ fn any_marks(set: &ExampleSet, count: usize, dice: &mut Dice) -> Vec<Mark> {
 fn compare(
     gpu: &mut Gpu,
     name: &str,
-    instance: &mut Instance,
+    instance: Instance,
     layout: &TestLayout,
     mut change: impl FnMut(&mut Instance, u64) -> bool,
 ) {
-    let buffer = gpu.buffer(layout.offset + layout.size + 64);
-    let mut target = gpu.add_target(&instance.example_set().clone(), layout, &buffer).unwrap();
-    let mut expected = Expected::poison(buffer.words());
+    let mut scene = Scene::at(gpu, vec![instance], vec![*layout]);
     for frame in 1.. {
-        let report = gpu.run(&mut [Job { instance, target: &mut target }]).unwrap();
-        layout.expect(instance, &mut expected);
-        expected.compare(&gpu.read(&buffer), &gpu.device, &format!("{name}, frame {frame}, {report:?}"));
-        let bounds = target.bounds().unwrap();
+        let report = scene.run(gpu);
+        scene.check(gpu, &format!("{name}, frame {frame}, {report:?}"));
+        let (instance, bounds) = (&mut scene.instances[0], scene.targets[0].bounds().unwrap());
         let count = if layout.lod == 0 { instance.example_set().vertex_count() as u32 } else { 0 };
         for v in 0..count {
             let p = instance.displaced(v).unwrap();
@@ -93,9 +90,9 @@ fn vertices_are_those_of_the_cpu() {
     let sets = sets();
     on_each_device(|gpu| {
         for (name, set) in &sets {
-            let mut instance = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
+            let instance = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
             let layout = TestLayout::everything(set, 0, 20);
-            compare(gpu, name, &mut instance, &layout, |instance, frame| {
+            compare(gpu, name, instance, &layout, |instance, frame| {
                 match frame {
                     1 => hit(instance, 1, 7),
                     2 => hit(instance, 2, 8),
@@ -116,9 +113,9 @@ fn dents_grow_as_on_the_cpu() {
     let options = InstanceOptions { grow_time: 1.0, ..InstanceOptions::default() };
     on_each_device(|gpu| {
         for (name, set) in scenes::small_bodies() {
-            let mut instance = Instance::new(set.clone(), options).unwrap();
+            let instance = Instance::new(set.clone(), options).unwrap();
             let layout = TestLayout::everything(&set, 0, 20);
-            compare(gpu, name, &mut instance, &layout, |instance, frame| {
+            compare(gpu, name, instance, &layout, |instance, frame| {
                 instance.set_time(0.3 * frame as f64).unwrap();
                 match frame {
                     1 | 3 => hit(instance, 5, frame),
@@ -141,7 +138,7 @@ fn levels_of_detail_show_the_same_damage() {
     on_each_device(|gpu| {
         for lod in 0..2 {
             let layout = TestLayout::everything(&set, lod, 4);
-            compare(gpu, "lod", &mut folded(&set, 5, 3), &layout, |i, frame| {
+            compare(gpu, "lod", folded(&set, 5, 3), &layout, |i, frame| {
                 hit(i, 3, frame);
                 frame < 3
             });
@@ -164,9 +161,9 @@ fn classic_rules_are_those_of_the_cpu() {
             let unclamped = crumple::Selection::ClassicUnclamped;
             let options = InstanceOptions { selection: unclamped, ..InstanceOptions::classic(rule) };
             for layout in [TestLayout::everything(set, 0, 8), TestLayout::interleaved(set, 0, 0, positions)] {
-                let mut instance = Instance::new(set.clone(), options).unwrap();
+                let instance = Instance::new(set.clone(), options).unwrap();
                 // The first frame is undamaged. Then come more hits than the journal holds, and changes that it does not hold.
-                compare(gpu, &format!("{rule:?}"), &mut instance, &layout, |i, frame| {
+                compare(gpu, &format!("{rule:?}"), instance, &layout, |i, frame| {
                     match frame {
                         4 => hit(i, 300, frame),
                         6 => i.repair(0.7).unwrap(),
@@ -177,7 +174,7 @@ fn classic_rules_are_those_of_the_cpu() {
                 });
                 let mut damaged = Instance::new(set.clone(), options).unwrap();
                 hit(&mut damaged, 20, 5);
-                compare(gpu, "damaged before", &mut damaged, &layout, |i, frame| {
+                compare(gpu, "damaged before", damaged, &layout, |i, frame| {
                     hit(i, 1, frame);
                     frame < 2
                 });
@@ -199,7 +196,7 @@ fn formats_are_converted_as_rust_does() {
     on_each_device(|gpu| {
         for encodings in &all {
             let layout = TestLayout::interleaved(&set, 0, 16, *encodings);
-            compare(gpu, &format!("{encodings:?}"), &mut folded(&set, 9, 5), &layout, |i, frame| {
+            compare(gpu, &format!("{encodings:?}"), folded(&set, 9, 5), &layout, |i, frame| {
                 hit(i, 9, frame);
                 frame < 2
             });

@@ -84,8 +84,8 @@ impl Gpu {
     }
 
     /// Another device of the library's on the same adapter.
-    pub fn another(&self) -> Device {
-        Device::headless(&headless(&self.device.name)).unwrap()
+    pub fn another(&self) -> Gpu {
+        Gpu::new(self.device.clone(), Device::headless(&headless(&self.device.name)).unwrap())
     }
 
     /// Two devices of a host without features. `change` changes the adapter's limits.

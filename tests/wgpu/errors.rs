@@ -2,12 +2,12 @@
 
 use crumple::ErrorKind;
 use crumple::wgpu::wgpu;
-use crumple::wgpu::{Device, DeviceDef, EncodeJob, HeadlessDef, adapters};
+use crumple::wgpu::{Device, DeviceDef, HeadlessDef, adapters};
 
 use crate::backend::{buffer, on_each_device};
-use crate::gpu::folded;
 use crate::gpu::layout::TestLayout;
 use crate::gpu::refusals::refused;
+use crate::gpu::scene::Scene;
 use crate::scenes;
 
 #[test]
@@ -52,12 +52,9 @@ fn buffers_that_will_not_do_are_refused() {
         let foreign = buffer(&other, layout.size);
         refused(mine.add_target(&set, &layout.def(&foreign)), Vulkan, &["binding a buffer", "wgpu"]);
         // A buffer that the host destroyed.
-        let seen = gpu.buffer(layout.size);
-        let mut target = gpu.add_target(&set, &layout, &seen).unwrap();
-        seen.0.destroy();
-        let instance = folded(&set, 6, 1);
-        let job = EncodeJob { instance: &instance, target: &mut target };
-        refused(gpu.run(&mut [job]), Vulkan, &["submitting", "destroyed"]);
+        let mut scene = Scene::of(gpu, &set, 6, 1);
+        scene.buffer.0.destroy();
+        refused(gpu.run(&mut scene.jobs()), Vulkan, &["submitting", "destroyed"]);
     });
 }
 
@@ -65,22 +62,18 @@ fn buffers_that_will_not_do_are_refused() {
 fn what_a_device_says_by_itself_is_the_next_error() {
     let set = scenes::ball_set();
     on_each_device(|gpu| {
-        let mut crumple = gpu.another();
-        let layout = TestLayout::everything(&set, 0, 0);
-        let seen = buffer(&crumple, layout.size);
-        let mut target = crumple.add_target(&set, &layout.def(&seen)).unwrap();
-        let instance = folded(&set, 3, 1);
+        let mut gpu = gpu.another();
+        let mut scene = Scene::of(&mut gpu, &set, 3, 1);
         // A mistake of the caller's own: the buffer is not that large.
-        crumple.queue().write_buffer(&seen, layout.size, &[0; 64]);
-        let job = EncodeJob { instance: &instance, target: &mut target };
-        refused(crumple.submit(&mut [job]), ErrorKind::Vulkan, &["an earlier call"]);
-        crumple.submit(&mut [EncodeJob { instance: &instance, target: &mut target }]).unwrap();
+        let seen = scene.buffer.0.clone();
+        gpu.crumple.queue().write_buffer(&seen, seen.size(), &[0; 64]);
+        refused(gpu.run(&mut scene.jobs()), ErrorKind::Vulkan, &["an earlier call"]);
+        scene.run(&mut gpu);
         // A device that is lost takes nothing else with it.
-        crumple.device().destroy();
-        let _ = crumple.device().poll(wgpu::PollType::wait_indefinitely());
-        target.invalidate();
-        let job = EncodeJob { instance: &instance, target: &mut target };
-        refused(crumple.submit(&mut [job]), ErrorKind::DeviceLost, &["lost"]);
-        refused(crumple.read(&seen, 0, &mut [0; 4]), ErrorKind::DeviceLost, &["lost"]);
+        gpu.crumple.device().destroy();
+        let _ = gpu.crumple.device().poll(wgpu::PollType::wait_indefinitely());
+        scene.targets[0].invalidate();
+        refused(gpu.run(&mut scene.jobs()), ErrorKind::DeviceLost, &["lost"]);
+        refused(gpu.crumple.read(&seen, 0, &mut [0; 4]), ErrorKind::DeviceLost, &["lost"]);
     });
 }

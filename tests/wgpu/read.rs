@@ -1,42 +1,39 @@
 //! Vertices come back into the CPU's memory.
 
-use crumple::wgpu::{EncodeJob, wgpu};
+use crumple::wgpu::wgpu;
 use crumple::{ErrorKind, VertexMemory};
 
 use crate::backend::{buffer, on_each_device};
-use crate::gpu::compare::Expected;
 use crate::gpu::layout::TestLayout;
 use crate::gpu::refusals::refused;
-use crate::gpu::{POISON, folded};
+use crate::gpu::scene::Scene;
 use crate::scenes;
 
 #[test]
 fn vertices_come_back_into_memory() {
     let set = scenes::cube_set();
     on_each_device(|gpu| {
-        let (mut crumple, device) = (gpu.another(), &gpu.device);
-        let layout = TestLayout::everything(&set, 0, 12);
-        let seen = buffer(&crumple, layout.offset + layout.size);
-        let mut target = crumple.add_target(&set, &layout.def(&seen)).unwrap();
-        let mut instance = folded(&set, 9, 5);
-        crumple.submit(&mut [EncodeJob { instance: &instance, target: &mut target }]).unwrap();
+        let mut scene = Scene::of(gpu, &set, 9, 5);
+        scene.run(gpu);
         let count = set.vertex_count();
         let (mut p, mut n, mut t) = (vec![[0.0; 3]; count], vec![[0.0; 3]; count], vec![[0.0; 4]; count]);
         let mut memory = VertexMemory::separate(&mut p, Some(&mut n), Some(&mut t)).unwrap();
-        crumple.read_vertices(&set, &target, &mut memory).unwrap();
-        let mut wanted = Expected::poison(seen.size() as usize / 4);
-        layout.expect(&mut instance, &mut wanted);
-        // Put what was read where the buffer holds it, so that it is compared as the buffer is.
-        let mut got = vec![POISON; seen.size() as usize / 4];
+        gpu.crumple.read_vertices(&set, &scene.targets[0], &mut memory).unwrap();
+        scene.check(gpu, "written");
+        // What was read is what the buffer holds.
+        let (got, layout) = (gpu.read(&scene.buffer), &scene.layouts[0]);
         for v in 0..count {
             let values = [p[v].to_vec(), n[v].to_vec(), t[v].to_vec()];
             for (stream, value) in layout.streams.iter().zip(values) {
                 let stream = stream.unwrap().0;
                 let at = (layout.offset + stream.offset + v as u64 * stream.stride) as usize / 4;
-                got[at..at + value.len()].copy_from_slice(&value.iter().map(|x| x.to_bits()).collect::<Vec<_>>());
+                assert_eq!(
+                    got[at..at + value.len()],
+                    value.iter().map(|x| x.to_bits()).collect::<Vec<_>>(),
+                    "vertex {v}"
+                );
             }
         }
-        wanted.compare(&got, device, "read back");
     });
 }
 
@@ -45,9 +42,9 @@ fn readings_that_will_not_do_are_refused() {
     use ErrorKind::{BufferTooSmall, InvalidArgument, Misaligned, Unsupported};
     let set = scenes::ball_set();
     on_each_device(|gpu| {
-        let mut crumple = gpu.another();
         let layout = TestLayout::everything(&set, 0, 0);
-        let seen = buffer(&crumple, layout.size);
+        let crumple = &mut gpu.crumple;
+        let seen = buffer(crumple, layout.size);
         let mut bytes = [7; 8];
         refused(crumple.read(&seen, 2, &mut bytes), Misaligned, &["offset", "2"]);
         refused(crumple.read(&seen, 0, &mut bytes[..3]), Misaligned, &["bytes to read", "3"]);

@@ -1,30 +1,25 @@
 //! Kernels that wgpu translates, for a host's device that takes no SPIR-V. Its driver may fuse and reorder operations, so the
 //! vertices are off by a few units, as src/wgpu/mod.rs states.
 
-use crumple::wgpu::{Device, DeviceDef, EncodeJob, wgpu};
+use crumple::wgpu::{DeviceDef, wgpu};
 
-use crate::backend::{buffer, on_each_device, read};
+use crate::backend::on_each_device;
 use crate::gpu::compare::{Bounds, Expected};
-use crate::gpu::folded;
 use crate::gpu::frames::dozen;
-use crate::gpu::layout::TestLayout;
+use crate::gpu::scene::Scene;
 use crate::gpu::vertices::sets;
 
 #[test]
 fn translated_kernels_are_off_by_a_few_units_at_most() {
     let sets = sets();
     on_each_device(|gpu| {
-        let [(device, queue), _] = gpu.hosts(|_| ());
-        let mut crumple = Device::new(&device, &queue, &Default::default()).unwrap();
+        let mut hosted = gpu.hosted(|_| (), &DeviceDef::default()).unwrap();
         for (name, set) in &sets {
-            let layout = TestLayout::everything(set, 0, 0);
-            let seen = buffer(&crumple, layout.size);
-            let mut target = crumple.add_target(set, &layout.def(&seen)).unwrap();
-            let mut instance = folded(set, 12, 9);
-            crumple.submit(&mut [EncodeJob { instance: &instance, target: &mut target }]).unwrap();
-            let got = read(&mut crumple, &seen);
+            let mut scene = Scene::of(&mut hosted, set, 12, 9);
+            scene.run(&mut hosted);
+            let (got, layout, instance) = (hosted.read(&scene.buffer), scene.layouts[0], &mut scene.instances[0]);
             let mut wanted = Expected::poison(got.len());
-            layout.expect(&mut instance, &mut wanted);
+            layout.expect(instance, &mut wanted);
             // Unit in the last place of the largest coordinate, and of 1 for normals and tangents.
             let bounds = set.lod_mesh(0).unwrap().bounds();
             let largest = bounds.min.abs().max(bounds.max.abs()).max_element() + set.depth_limit();
@@ -33,7 +28,7 @@ fn translated_kernels_are_off_by_a_few_units_at_most() {
             for v in 0..set.vertex_count() {
                 for (i, stream) in layout.streams.iter().enumerate() {
                     let Some((stream, _)) = stream else { continue };
-                    let at = ((stream.offset + v as u64 * stream.stride) / 4) as usize;
+                    let at = ((layout.offset + stream.offset + v as u64 * stream.stride) / 4) as usize;
                     let of = at..at + if i == 2 { 4 } else { 3 };
                     for (g, w) in got[of.clone()].iter().zip(&wanted.words()[of]) {
                         let off = f32::from_bits(*g) - f32::from_bits(*w);
@@ -47,7 +42,7 @@ fn translated_kernels_are_off_by_a_few_units_at_most() {
             let [position, direction] = if gpu.device.exact() {
                 [4.0, 32.0]
             } else {
-                let bounds = Bounds::of(&mut instance);
+                let bounds = Bounds::of(instance);
                 [4.0 + bounds.position / units[0], 32.0 + bounds.direction / units[1]]
             };
             let good = worst.iter().zip([position, direction, direction]).all(|(off, most)| *off <= most);
