@@ -1,22 +1,11 @@
-// Paths, texts and bytes of files: files GLB FOLDER. What files may say wrongly is in tests/format.rs, import_broken.rs and import_obj.rs.
+// Paths, texts and bytes of files: files FIXTURES FOLDER. What files may say wrongly is in tests/format.rs, import_broken.rs and import_obj.rs.
 #include "support.h"
 
 #include <crumple_import.h>
 
 static CrumpleContext *context;
 static CrumpleExampleSet set; // out_set of calls that fail
-static const char *folder;
-
-static const char *path_of(const char *name) {
-    static char path[4096];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    return path;
-}
-
-static void write_file(const char *name, const void *bytes, size_t size) {
-    FILE *file = fopen(path_of(name), "wb");
-    FACT(file && fwrite(bytes, 1, size, file) == size && fclose(file) == 0);
-}
+static const char *folder, *fixtures;
 
 // The loaded set is the saved one, and is destroyed.
 static void same(uint64_t fingerprint, CrumpleExampleSet loaded) {
@@ -50,13 +39,12 @@ static void baked(void) {
     OK(crumple_example_set_load_baked_memory(context, shifted + 1, size, CRUMPLE_BYTES_COPY, &loaded));
     free(shifted);
     same(info.fingerprint, loaded);
-    write_file("sheet.crumple", bytes, size);
-    OK(crumple_example_set_load_baked(context, path_of("sheet.crumple"), &loaded));
+    const char *path = path_in(folder, "first_dent.crumple"); // the test first_dent loads it too
+    write_file(path, bytes, size);
+    OK(crumple_example_set_load_baked(context, path, &loaded));
     same(info.fingerprint, loaded);
-    remove(path_of("sheet.crumple"));
-    FAILS_KEEPING(CRUMPLE_ERROR_IO, "sheet.crumple", set, crumple_example_set_load_baked(context, path_of("sheet.crumple"), &set));
+    FAILS_KEEPING(CRUMPLE_ERROR_IO, "nowhere", set, crumple_example_set_load_baked(context, path_in(folder, "nowhere"), &set));
     FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "path", set, crumple_example_set_load_baked(context, NULL, &set));
-    write_file("first_dent.crumple", bytes, size); // the test first_dent loads it
 
     FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "data", set, crumple_example_set_load_baked_memory(context, NULL, size, CRUMPLE_BYTES_COPY, &set));
     FAILS(CRUMPLE_ERROR_NULL_POINTER, "out_set", crumple_example_set_load_baked_memory(context, bytes, size, CRUMPLE_BYTES_COPY, NULL));
@@ -74,16 +62,15 @@ static void baked(void) {
     free(bytes);
 }
 
-static void gltf(const char *path) {
+static void gltf(void) {
+    static unsigned char bytes[1 << 16];
+    const char *path = path_in(fixtures, "two_materials.glb");
+    const size_t size = read_file(path, bytes, sizeof bytes);
     CrumpleGltfDef def = crumple_gltf_def_default();
     CrumpleExampleSet loaded;
     CrumpleExampleSetInfo info;
     CrumplePart told;
     uint32_t part = 0;
-    size_t size;
-    static unsigned char bytes[1 << 16];
-    FILE *file = fopen(path, "rb");
-    FACT(file && (size = fread(bytes, 1, sizeof bytes, file)) > 0 && size < sizeof bytes && fclose(file) == 0);
     OK(crumple_example_set_load_gltf_memory(context, bytes, size, &def, &loaded));
     OK(crumple_example_set_get_info(context, loaded, &info));
     FACT(info.vertex_count > 0 && info.example_count > 0 && info.primitive_count > 0 && info.name != NULL);
@@ -120,24 +107,18 @@ static void gltf(const char *path) {
 }
 
 static void obj(void) {
-    static const char flat[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n", bent[] = "v 0 0 -0.1\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
     CrumpleObjDef def = crumple_obj_def_default();
     CrumpleExampleSet loaded;
     CrumpleExampleSetInfo info;
     CrumpleExampleInfo example;
-    char base[4096], dent[4096];
-    const char *paths[2] = {dent, NULL};
-    write_file("base.obj", flat, sizeof flat - 1);
-    write_file("dent.obj", bent, sizeof bent - 1);
-    strcpy(base, path_of("base.obj"));
-    strcpy(dent, path_of("dent.obj"));
-    def.base_path = base;
+    const char *paths[2] = {path_in(fixtures, "plate_dent.obj"), NULL};
+    def.base_path = path_in(fixtures, "plate.obj");
     def.example_paths = paths;
     def.example_count = 1;
     OK(crumple_example_set_load_obj(context, &def, &loaded));
     OK(crumple_example_set_get_info(context, loaded, &info));
     OK(crumple_example_set_get_example(context, loaded, 0, &example));
-    FACT(info.vertex_count == 4 && info.triangle_count == 2 && strcmp(example.name, "dent") == 0);
+    FACT(info.vertex_count > 0 && info.triangle_count > 0 && strcmp(example.name, "plate_dent") == 0);
     def.example_count = 2;
     FAILS_KEEPING(CRUMPLE_ERROR_NULL_POINTER, "def.example_paths[1]", set, crumple_example_set_load_obj(context, &def, &set));
     def.example_paths = NULL;
@@ -152,12 +133,12 @@ int main(int count, char **arguments) {
     CrumpleGltfDef gltf_def = crumple_gltf_def_default();
     CrumpleObjDef obj_def = crumple_obj_def_default();
     FACT(count == 3);
-    gltf_def.path = obj_def.base_path = arguments[1];
+    gltf_def.path = obj_def.base_path = fixtures = arguments[1];
     folder = arguments[2];
     context = make_context(1);
     baked();
     if (crumple_features() & CRUMPLE_FEATURE_GLTF)
-        gltf(arguments[1]);
+        gltf();
     else
         FAILS(CRUMPLE_ERROR_UNSUPPORTED, "gltf", crumple_example_set_load_gltf(context, &gltf_def, &set));
     if (crumple_features() & CRUMPLE_FEATURE_OBJ)

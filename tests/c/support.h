@@ -141,6 +141,28 @@ static inline void make_sheet(Sheet *sheet) {
     sheet->def.example_count = EXAMPLES;
 }
 
+// A path in a folder, until eight more are asked for.
+static inline const char *path_in(const char *folder, const char *name) {
+    static char paths[8][4096];
+    static int next;
+    char *path = paths[next++ % 8];
+    snprintf(path, sizeof paths[0], "%s/%s", folder, name);
+    return path;
+}
+
+static inline size_t read_file(const char *path, unsigned char *bytes, size_t room) {
+    FILE *file = fopen(path, "rb");
+    FACT(file != NULL);
+    const size_t size = fread(bytes, 1, room, file);
+    FACT(size > 0 && size < room && fclose(file) == 0);
+    return size;
+}
+
+static inline void write_file(const char *path, const void *bytes, size_t size) {
+    FILE *file = fopen(path, "wb");
+    FACT(file && fwrite(bytes, 1, size, file) == size && fclose(file) == 0);
+}
+
 static inline CrumpleContext *make_context(uint32_t threads) {
     CrumpleContextDef def = crumple_context_def_default();
     def.threads = threads;

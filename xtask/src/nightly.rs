@@ -27,7 +27,7 @@ const C_PROGRAMS: &[(&str, &[&str])] = &[
     ("bad_input", &[]),
     ("bodies", &[]),
     ("buffers", &[]),
-    ("files", &["FIXTURES/two_materials.glb", "."]),
+    ("files", &["FIXTURES", "."]),
     ("memory", &[]),
     ("soak", &["2"]),
     ("threads", &[]),
