@@ -39,7 +39,7 @@ pub fn format(attribute: Attribute, encoding: Encoding) -> vk::Format {
 pub struct Gpu<'e> {
     pub device: TestedDevice,
     pub crumple: Device,
-    engine: &'e Engine<'e>,
+    pub engine: &'e Engine<'e>,
     frame: u64,
     /// Frames that are not waited for yet.
     started: VecDeque<(u64, vk::Fence)>,

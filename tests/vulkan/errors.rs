@@ -1,13 +1,14 @@
 //! Devices, buffers and recordings that are refused; frames that are not submitted; barriers that validation misses.
 
 use crumple::vulkan::vk;
-use crumple::vulkan::{BufferDef, Device, DeviceDef, RecordJob, RecordReport, Target};
-use crumple::{Error, ErrorKind, Instance};
+use crumple::vulkan::{BufferDef, Device, DeviceDef, RecordJob, RecordReport};
+use crumple::{Error, ErrorKind};
 
-use crate::gpu::compare::Expected;
+use crate::backend;
 use crate::gpu::layout::TestLayout;
 use crate::gpu::refusals::refused;
-use crate::gpu::{POISON, folded};
+use crate::gpu::scene::Scene;
+use crate::gpu::{folded, hit};
 use crate::harness::{Engine, Tampered, on_each_device, tampered};
 use crate::scenes;
 
@@ -66,40 +67,27 @@ fn buffers_that_will_not_do_are_refused() {
 fn recordings_that_will_not_do_are_refused() {
     use ErrorKind::InvalidArgument;
     let set = scenes::cube_set();
-    on_each_device(|engine| {
-        let mut crumple = engine.crumple();
-        let layout = TestLayout::everything(&set, 0, 0);
-        let (seen, id) = engine.target_buffer(&mut crumple, layout.size);
-        let mut target = crumple.add_target(&set, &layout.def(id)).unwrap();
-        let mut instance = folded(&set, 5, 1);
+    backend::on_each_device(|gpu| {
+        let mut scene = Scene::of(gpu, &set, 5, 1);
         // Nothing was recorded yet: that is of no frame to come.
-        crumple.completed(u64::MAX);
-        let record = |d: &mut Device, c, frame, instance: &Instance, target: &mut Target| {
-            // SAFETY: the command buffer is recording, or nothing is recorded.
-            unsafe { d.record(c, frame, &mut [RecordJob { instance, target }]) }
+        gpu.crumple.completed(u64::MAX);
+        // A command buffer that must not be touched.
+        let (none, any) = (vk::CommandBuffer::null(), vk::Handle::from_raw(1));
+        // SAFETY: nothing is recorded.
+        let record = |d: &mut Device, commands, frame, scene: &mut Scene| unsafe {
+            d.record(commands, frame, &mut scene.jobs())
         };
-        engine.run(|c| {
-            let none = vk::CommandBuffer::null();
-            refused(record(&mut crumple, none, 4, &instance, &mut target), InvalidArgument, &["VkCommandBuffer"]);
-            refused(record(&mut crumple, c, 0, &instance, &mut target), InvalidArgument, &["frame", "0"]);
-        });
-        assert!(seen.words().iter().all(|w| *w == POISON) && target.bounds().is_none());
-        // After all that it works.
-        let mut wanted = Expected::poison(seen.words().len());
-        engine.run(|c| record(&mut crumple, c, 5, &instance, &mut target)).unwrap();
-        layout.expect(&mut instance, &mut wanted);
-        wanted.compare(seen.words(), &engine.tested, "after errors");
-        let again = folded(&set, 6, 1);
-        crumple.completed(5);
-        refused(
-            record(&mut crumple, vk::Handle::from_raw(1), 5, &again, &mut target),
-            InvalidArgument,
-            &["frame", "5"],
-        );
-        crumple.remove_buffer(id).unwrap();
-        refused(crumple.add_target(&set, &layout.def(id)), InvalidArgument, &["buffer"]);
-        let gone = record(&mut crumple, vk::Handle::from_raw(1), 6, &again, &mut target);
-        refused(gone, InvalidArgument, &["buffer of job 0"]);
+        refused(record(&mut gpu.crumple, none, 4, &mut scene), InvalidArgument, &["VkCommandBuffer"]);
+        refused(record(&mut gpu.crumple, any, 0, &mut scene), InvalidArgument, &["frame", "0"]);
+        assert!(scene.targets[0].bounds().is_none());
+        scene.run(gpu);
+        scene.check(gpu, "after errors");
+        hit(&mut scene.instances[0], 1, 6);
+        refused(record(&mut gpu.crumple, any, 1, &mut scene), InvalidArgument, &["frame", "1"]);
+        let buffer = scene.buffer.as_ref();
+        gpu.crumple.remove_buffer(buffer).unwrap();
+        refused(gpu.crumple.add_target(&set, &scene.layouts[0].def(buffer)), InvalidArgument, &["buffer"]);
+        refused(record(&mut gpu.crumple, any, 6, &mut scene), InvalidArgument, &["buffer of job 0"]);
     });
 }
 

@@ -2,8 +2,10 @@
 
 use crumple::vulkan::{BufferDef, Device, RecordJob, vk};
 
+use crate::backend;
 use crate::gpu::compare::Expected;
 use crate::gpu::layout::TestLayout;
+use crate::gpu::scene::Scene;
 use crate::gpu::{folded, hit};
 use crate::harness::{Tampered, families, on_each_device, tampered};
 use crate::scenes;
@@ -45,24 +47,17 @@ fn buffers_of_other_queue_families_are_taken_and_given_back() {
 #[test]
 fn secondary_command_buffers_do() {
     let set = scenes::ball_set();
-    on_each_device(|engine| {
-        let mut crumple = engine.crumple();
-        let layout = TestLayout::everything(&set, 0, 4);
-        let (seen, id) = engine.target_buffer(&mut crumple, layout.size + 4);
-        let mut target = crumple.add_target(&set, &layout.def(id)).unwrap();
-        let mut instance = folded(&set, 3, 7);
-        let inner = engine.begin(vk::CommandBufferLevel::SECONDARY);
-        let mut jobs = [RecordJob { instance: &instance, target: &mut target }];
+    backend::on_each_device(|gpu| {
+        let mut scene = Scene::of(gpu, &set, 3, 7);
+        let inner = gpu.engine.begin(vk::CommandBufferLevel::SECONDARY);
         // SAFETY: the command buffers are recording.
         unsafe {
-            crumple.record(inner, 1, &mut jobs).unwrap();
-            engine.device.end_command_buffer(inner).unwrap();
-            engine.run(|c| engine.device.cmd_execute_commands(c, &[inner]));
+            gpu.crumple.record(inner, 1, &mut scene.jobs()).unwrap();
+            gpu.engine.device.end_command_buffer(inner).unwrap();
+            gpu.engine.run(|c| gpu.engine.device.cmd_execute_commands(c, &[inner]));
         }
-        crumple.completed(1);
-        let mut wanted = Expected::poison(seen.words().len());
-        layout.expect(&mut instance, &mut wanted);
-        wanted.compare(seen.words(), &engine.tested, "secondary");
+        gpu.crumple.completed(1);
+        scene.check(gpu, "secondary");
     });
 }
 
