@@ -10,18 +10,22 @@ use super::{folded, hit};
 use crate::backend::{Encoding, Gpu, on_each_device};
 use crate::scenes::{self, Dice};
 
+fn sheet(options: SetOptions) -> Arc<ExampleSet> {
+    let mesh = scenes::sheet(30);
+    let examples = scenes::bowls(&mesh, 5, 0.3, 3);
+    scenes::build(mesh, examples, options)
+}
+
+fn baked(tolerance: f32) -> Arc<ExampleSet> {
+    sheet(SetOptions { tolerance: Some(tolerance), ..SetOptions::default() })
+}
+
 /// Bodies of every kind: exact and baked, in each width, carried and anchored, with a held rim.
 pub fn sets() -> Vec<(String, Arc<ExampleSet>)> {
     let mut all: Vec<(String, Arc<ExampleSet>)> =
         scenes::small_bodies().into_iter().map(|(n, s)| (n.to_owned(), s)).collect();
-    let sheet = |options: SetOptions| {
-        let mesh = scenes::sheet(30);
-        let examples = scenes::bowls(&mesh, 5, 0.3, 3);
-        scenes::build(mesh, examples, options)
-    };
     for (tolerance, name) in [(3e-3, "8 bits"), (1e-5, "16 bits"), (1e-7, "floats")] {
-        let options = SetOptions { tolerance: Some(tolerance), ..SetOptions::default() };
-        all.push((format!("sheet in {name}"), sheet(options)));
+        all.push((format!("sheet in {name}"), baked(tolerance)));
     }
     all.push(("flat sheet".into(), sheet(SetOptions { depth_limit: Some(0.05), ..SetOptions::default() })));
     let cube = scenes::cube(12);
@@ -148,11 +152,6 @@ fn levels_of_detail_show_the_same_damage() {
 
 #[test]
 fn classic_rules_are_those_of_the_cpu() {
-    let baked = |tolerance| {
-        let mesh = scenes::sheet(30);
-        let examples = scenes::bowls(&mesh, 5, 0.3, 3);
-        scenes::build(mesh, examples, SetOptions { tolerance: Some(tolerance), ..SetOptions::default() })
-    };
     let sets = [scenes::cube_set(), scenes::ball_set(), baked(3e-3), baked(1e-5), limited()];
     let rules = [Rule::MostDisplaced, Rule::Blend(0.3), Rule::Blend(0.0), Rule::Blend(1.0), Rule::Blend(0.5)];
     let positions = [Some(Encoding::F32), None, None];

@@ -15,15 +15,13 @@ fn vertices_come_back_into_memory() {
     on_each_device(|gpu| {
         let mut scene = Scene::of(gpu, &set, 9, 5);
         scene.run(gpu);
-        let count = set.vertex_count();
-        let (mut p, mut n, mut t) = (vec![[0.0; 3]; count], vec![[0.0; 3]; count], vec![[0.0; 4]; count]);
-        let mut memory = VertexMemory::separate(&mut p, Some(&mut n), Some(&mut t)).unwrap();
-        gpu.crumple.read_vertices(&set, &scene.targets[0], &mut memory).unwrap();
+        let mut out = scenes::Output::new(&set);
+        gpu.crumple.read_vertices(&set, &scene.targets[0], &mut out.memory().1).unwrap();
         scene.check(gpu, "written");
         // What was read is what the buffer holds.
         let (got, layout) = (gpu.read(&scene.buffer), &scene.layouts[0]);
-        for v in 0..count {
-            let values = [p[v].to_vec(), n[v].to_vec(), t[v].to_vec()];
+        for v in 0..set.vertex_count() {
+            let values = [out.positions[v].to_vec(), out.normals[v].to_vec(), out.tangents[v].to_vec()];
             for (stream, value) in layout.streams.iter().zip(values) {
                 let stream = stream.unwrap().0;
                 let at = (layout.offset + stream.offset + v as u64 * stream.stride) as usize / 4;
