@@ -24,6 +24,7 @@ typedef struct Host {
     VkCommandPool pool;
     char name[VK_MAX_PHYSICAL_DEVICE_NAME_SIZE];
     bool software; // the device is a CPU driver
+    const char *extension; // of the device, for host_open_device(); null: none
     VkDebugUtilsMessengerEXT messenger;
 } Host;
 

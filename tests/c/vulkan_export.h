@@ -6,24 +6,9 @@
 
 // The same host with another device, which can export memory.
 static void open_exporting_device(Host *host) {
-    static const char *const extension = VK_KHR_EXTERNAL_MEMORY_FD_EXTENSION_NAME;
     host_close_device(host);
-    const float priority = 1;
-    const VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
-                                           .queueFamilyIndex = host->queue_family,
-                                           .queueCount = 1,
-                                           .pQueuePriorities = &priority};
-    const VkDeviceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
-                                     .queueCreateInfoCount = 1,
-                                     .pQueueCreateInfos = &queue,
-                                     .enabledExtensionCount = 1,
-                                     .ppEnabledExtensionNames = &extension};
-    VK(vkCreateDevice(host->physical_device, &info, NULL, &host->device));
-    vkGetDeviceQueue(host->device, host->queue_family, 0, &host->queue);
-    const VkCommandPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
-                                          .flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT,
-                                          .queueFamilyIndex = host->queue_family};
-    VK(vkCreateCommandPool(host->device, &pool, NULL, &host->pool));
+    host->extension = VK_KHR_EXTERNAL_MEMORY_FD_EXTENSION_NAME;
+    host_open_device(host);
 }
 
 // A buffer that the CPU sees, in memory of its own that is exported; def is what Crumple must know of it.
