@@ -112,7 +112,7 @@ enum Command {
     Lab(lab::Options),
     /// Measure fixed workloads and references in the same run; write docs/bench
     Bench(bench::Options),
-    /// Hit, deform, save and repair bodies for hours; fail if memory grows or vertices drift; print how long calls took
+    /// Hit, deform, save and repair bodies for hours; fail if memory grows or vertices drift, or measure how long calls take
     Soak(soak::Options),
     /// Run info, bake, sample and apply over a folder of glTF and OBJ files, and compare everything that no dent reached
     Sweep {
