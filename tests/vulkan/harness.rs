@@ -70,89 +70,91 @@ pub struct Tampered {
     pub api_version: Option<u32>,
 }
 
-thread_local! {
-    static TAMPERED: RefCell<(Tampered, Option<vk::PFN_vkGetInstanceProcAddr>)> = RefCell::default();
-    static REAL: RefCell<Real> = RefCell::default();
+/// What this thread's loader does, and the system's functions that it stands before.
+#[derive(Default)]
+struct Loader {
+    how: Tampered,
+    get_instance: Option<vk::PFN_vkGetInstanceProcAddr>,
+    get_device: Option<vk::PFN_vkGetDeviceProcAddr>,
+    properties: Option<vk::PFN_vkGetPhysicalDeviceProperties>,
+    barrier: Option<vk::PFN_vkCmdPipelineBarrier>,
+    families: Vec<(vk::Buffer, u32, u32)>,
 }
 
 thread_local! {
-    static FAMILIES: RefCell<Vec<(vk::Buffer, u32, u32)>> = const { RefCell::new(Vec::new()) };
+    static LOADER: RefCell<Loader> = RefCell::default();
 }
 
 /// Buffers, source and destination families of this thread's watched barriers since it was last asked.
 pub fn families() -> Vec<(vk::Buffer, u32, u32)> {
-    FAMILIES.take()
-}
-
-#[derive(Clone, Copy, Default)]
-struct Real {
-    get_device: Option<vk::PFN_vkGetDeviceProcAddr>,
-    properties: Option<vk::PFN_vkGetPhysicalDeviceProperties>,
-    barrier: Option<vk::PFN_vkCmdPipelineBarrier>,
+    LOADER.with_borrow_mut(|loader| std::mem::take(&mut loader.families))
 }
 
 /// The same definition with a loader that is tampered with, for this thread.
 pub fn tampered(def: DeviceDef<'static>, how: Tampered) -> DeviceDef<'static> {
-    TAMPERED.set((how, Some(def.get_instance_proc_addr)));
+    LOADER.with_borrow_mut(|loader| (loader.how, loader.get_instance) = (how, Some(def.get_instance_proc_addr)));
     DeviceDef { get_instance_proc_addr: get_instance, ..def }
 }
 
+/// `own` instead of the function that was found, which the loader keeps.
+///
+/// # Safety
+/// The function that was found is of the type of `own`.
+unsafe fn instead<F: Copy>(
+    own: F,
+    found: vk::PFN_vkVoidFunction,
+    keep: fn(&mut Loader) -> &mut Option<F>,
+) -> vk::PFN_vkVoidFunction {
+    // SAFETY: as the caller says; all are pointers to functions, or null.
+    unsafe {
+        LOADER.with_borrow_mut(|loader| *keep(loader) = std::mem::transmute_copy(&found));
+        std::mem::transmute_copy(&Some(own))
+    }
+}
+
 unsafe extern "system" fn get_instance(instance: vk::Instance, name: *const c_char) -> vk::PFN_vkVoidFunction {
-    let (how, real) = TAMPERED.with_borrow(|t| *t);
+    let (how, real) = LOADER.with_borrow(|loader| (loader.how, loader.get_instance.unwrap()));
     // SAFETY: the caller's name, the system's loader, and functions of the types their names say.
     unsafe {
-        let found = real.unwrap()(instance, name);
-        let name = CStr::from_ptr(name);
+        let (found, name) = (real(instance, name), CStr::from_ptr(name));
         if how.without == Some(name) {
-            return None;
+            None
+        } else if name == c"vkGetDeviceProcAddr" {
+            instead(get_device as vk::PFN_vkGetDeviceProcAddr, found, |loader| &mut loader.get_device)
+        } else if name == c"vkGetPhysicalDeviceProperties" {
+            instead(properties as vk::PFN_vkGetPhysicalDeviceProperties, found, |loader| &mut loader.properties)
+        } else {
+            found
         }
-        if name == c"vkGetDeviceProcAddr" {
-            let found = std::mem::transmute::<vk::PFN_vkVoidFunction, Option<vk::PFN_vkGetDeviceProcAddr>>(found);
-            REAL.with_borrow_mut(|r| r.get_device = found);
-            let own: vk::PFN_vkGetDeviceProcAddr = get_device;
-            return std::mem::transmute::<vk::PFN_vkGetDeviceProcAddr, vk::PFN_vkVoidFunction>(own);
+    }
+}
+
+unsafe extern "system" fn get_device(device: vk::Device, name: *const c_char) -> vk::PFN_vkVoidFunction {
+    let (how, real) = LOADER.with_borrow(|loader| (loader.how, loader.get_device.unwrap()));
+    // SAFETY: as above.
+    unsafe {
+        let (found, name) = (real(device, name), CStr::from_ptr(name));
+        if how.without == Some(name) {
+            None
+        } else if name == c"vkCmdPipelineBarrier" {
+            instead(barrier as vk::PFN_vkCmdPipelineBarrier, found, |loader| &mut loader.barrier)
+        } else {
+            found
         }
-        if name == c"vkGetPhysicalDeviceProperties" {
-            let found =
-                std::mem::transmute::<vk::PFN_vkVoidFunction, Option<vk::PFN_vkGetPhysicalDeviceProperties>>(found);
-            REAL.with_borrow_mut(|r| r.properties = found);
-            let own: vk::PFN_vkGetPhysicalDeviceProperties = properties;
-            return std::mem::transmute::<vk::PFN_vkGetPhysicalDeviceProperties, vk::PFN_vkVoidFunction>(own);
-        }
-        found
     }
 }
 
 unsafe extern "system" fn properties(physical: vk::PhysicalDevice, out: *mut vk::PhysicalDeviceProperties) {
-    let how = TAMPERED.with_borrow(|t| t.0);
+    let (how, real) = LOADER.with_borrow(|loader| (loader.how, loader.properties.unwrap()));
     // SAFETY: the system's function, and the caller's memory.
     unsafe {
-        REAL.with_borrow(|r| r.properties).unwrap()(physical, out);
+        real(physical, out);
         let (limits, lowered) = (&mut (*out).limits, how.lowered);
         let groups = &mut limits.max_compute_work_group_count[0];
         *groups = lowered.workgroups.unwrap_or(*groups);
         let bytes = lowered.binding_bytes.map(|bytes| bytes as u32);
         limits.max_storage_buffer_range = bytes.unwrap_or(limits.max_storage_buffer_range);
         (*out).api_version = how.api_version.unwrap_or((*out).api_version);
-    }
-}
-
-unsafe extern "system" fn get_device(device: vk::Device, name: *const c_char) -> vk::PFN_vkVoidFunction {
-    let how = TAMPERED.with_borrow(|t| t.0);
-    // SAFETY: as above.
-    unsafe {
-        let found = REAL.with_borrow(|r| r.get_device).unwrap()(device, name);
-        let name = CStr::from_ptr(name);
-        if how.without == Some(name) {
-            return None;
-        }
-        if name == c"vkCmdPipelineBarrier" {
-            let found = std::mem::transmute::<vk::PFN_vkVoidFunction, Option<vk::PFN_vkCmdPipelineBarrier>>(found);
-            REAL.with_borrow_mut(|r| r.barrier = found);
-            let own: vk::PFN_vkCmdPipelineBarrier = barrier;
-            return std::mem::transmute::<vk::PFN_vkCmdPipelineBarrier, vk::PFN_vkVoidFunction>(own);
-        }
-        found
     }
 }
 
@@ -169,22 +171,18 @@ unsafe extern "system" fn barrier(
     image_count: u32,
     images: *const vk::ImageMemoryBarrier<'_>,
 ) {
-    let dropped = TAMPERED.with_borrow_mut(|t| match &mut t.0.barriers {
-        Some(0) => true,
-        Some(left) => {
-            *left -= 1;
-            false
+    // SAFETY: the caller's barriers.
+    let all = unsafe { std::slice::from_raw_parts(buffers, buffer_count as usize) };
+    let (dropped, real) = LOADER.with_borrow_mut(|loader| {
+        if loader.how.watch {
+            let families = |b: &vk::BufferMemoryBarrier| (b.buffer, b.src_queue_family_index, b.dst_queue_family_index);
+            loader.families.extend(all.iter().map(families));
         }
-        None => false,
+        let dropped = loader.how.barriers == Some(0);
+        loader.how.barriers = loader.how.barriers.map(|left| left.saturating_sub(1));
+        (dropped, loader.barrier.unwrap())
     });
-    if TAMPERED.with_borrow(|t| t.0.watch) {
-        // SAFETY: the caller's barriers.
-        let all = unsafe { std::slice::from_raw_parts(buffers, buffer_count as usize) };
-        let families = all.iter().map(|b| (b.buffer, b.src_queue_family_index, b.dst_queue_family_index));
-        FAMILIES.with_borrow_mut(|f| f.extend(families));
-    }
     if !dropped {
-        let real = REAL.with_borrow(|r| r.barrier).unwrap();
         // SAFETY: passed on.
         unsafe { real(commands, from, to, flags, memory_count, memory, buffer_count, buffers, image_count, images) };
     }
