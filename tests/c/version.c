@@ -29,8 +29,6 @@ int main(void) {
 
     // Results have names, and the first text is empty.
     FACT(strcmp(crumple_last_error(), "") == 0);
-    for (int result = CRUMPLE_OK; result <= CRUMPLE_ERROR_WRONG_RULE; ++result)
-        FACT(strncmp(crumple_result_name((CrumpleResult)result), "CRUMPLE_", 8) == 0);
     for (int result = CRUMPLE_ERROR_NULL_POINTER; result <= CRUMPLE_ERROR_INTERNAL; ++result)
         FACT(strncmp(crumple_result_name((CrumpleResult)result), "CRUMPLE_ERROR_", 14) == 0);
     FACT(strcmp(crumple_result_name((CrumpleResult)63), "unknown result") == 0);

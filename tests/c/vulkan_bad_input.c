@@ -3,11 +3,6 @@
 // tests/vulkan/import.rs. Recordings without changes allocate nothing, and nothing is left behind.
 #include "heap.h"
 #include "vulkan_support.h"
-#ifdef SHARES_FILE_DESCRIPTORS
-#include "vulkan_export.h"
-
-#include <unistd.h>
-#endif
 
 #include <crumple_parts.h>
 

@@ -1,9 +1,7 @@
 // Every Vulkan call that can fail does so once, in turn, with each error that drivers return: the call of Crumple says so and changes
 // nothing, the same call succeeds afterwards, and the vertices are those of crumple_context_deform(). A device that stays lost can be
 // detached, the CPU goes on with the same bits, and another device gets the same vertices.
-#include "vulkan_export.h"
-
-#include <unistd.h>
+#include "vulkan_support.h"
 
 static VkResult fault;                // what the failing call returns
 static unsigned calls, fail_at;       // fail_at: the call that fails, counted from 1; 0: none
