@@ -37,24 +37,12 @@ pub fn format(attribute: Attribute, encoding: Encoding) -> VertexFormat {
 pub fn on_each_device(test: impl Fn(&mut Gpu)) {
     let all = adapters(wgpu::Backends::VULKAN);
     for adapter in &all {
-        let device = TestedDevice::of(adapter);
+        let driver = format!("{} {}", adapter.driver, adapter.driver_info);
+        let device = TestedDevice { name: adapter.name.clone(), driver, translated: false };
         device.announce();
-        let crumple = Device::headless(&headless(&device.name)).unwrap();
-        test(&mut Gpu::new(device, crumple));
+        test(&mut Gpu::headless(device));
     }
     note_missing(&all.into_iter().map(|a| a.name).collect::<Vec<_>>());
-}
-
-impl TestedDevice {
-    fn of(adapter: &wgpu::AdapterInfo) -> Self {
-        let driver = format!("{} {}", adapter.driver, adapter.driver_info);
-        TestedDevice { name: adapter.name.clone(), driver, translated: false }
-    }
-}
-
-/// The definition of a Vulkan device of this name.
-pub fn headless(name: &str) -> HeadlessDef<'_> {
-    HeadlessDef { adapter: Some(name), backends: wgpu::Backends::VULKAN, device: DeviceDef::default() }
 }
 
 /// A device with the library on it.
@@ -83,27 +71,32 @@ impl Gpu {
         Gpu { device, crumple, started: VecDeque::new() }
     }
 
-    /// Another device of the library's on the same adapter.
-    pub fn another(&self) -> Gpu {
-        Gpu::new(self.device.clone(), Device::headless(&headless(&self.device.name)).unwrap())
+    fn headless(device: TestedDevice) -> Self {
+        let adapter = Some(device.name.as_str());
+        let def = HeadlessDef { adapter, backends: wgpu::Backends::VULKAN, device: DeviceDef::default() };
+        let crumple = Device::headless(&def).unwrap();
+        Self::new(device, crumple)
     }
 
-    /// Two devices of a host without features. `change` changes the adapter's limits.
-    pub fn hosts(&self, change: impl Fn(&mut wgpu::Limits)) -> [(wgpu::Device, wgpu::Queue); 2] {
+    /// Another device of the library's on the same adapter.
+    pub fn another(&self) -> Self {
+        Self::headless(self.device.clone())
+    }
+
+    /// The library on two devices of a host without features. `change` changes the adapter's limits.
+    pub fn hosted(&self, change: impl Fn(&mut wgpu::Limits), def: &DeviceDef) -> Result<[Self; 2], Error> {
         let instance = wgpu::Instance::default();
         let adapters = at_once(instance.enumerate_adapters(wgpu::Backends::VULKAN));
         let adapter = adapters.iter().find(|a| a.get_info().name == self.device.name).unwrap();
         let mut required_limits = adapter.limits();
         change(&mut required_limits);
         let descriptor = wgpu::DeviceDescriptor { required_limits, ..Default::default() };
-        [(); 2].map(|()| at_once(adapter.request_device(&descriptor)).unwrap())
-    }
-
-    /// A host's device with these limits.
-    pub fn hosted(&self, change: impl Fn(&mut wgpu::Limits), def: &DeviceDef) -> Result<Gpu, Error> {
-        let [(device, queue), _] = self.hosts(change);
-        let tested = TestedDevice { translated: true, ..self.device.clone() };
-        Ok(Self::new(tested, Device::new(&device, &queue, def)?))
+        let made = || {
+            let (device, queue) = at_once(adapter.request_device(&descriptor)).unwrap();
+            let tested = TestedDevice { translated: true, ..self.device.clone() };
+            Ok(Self::new(tested, Device::new(&device, &queue, def)?))
+        };
+        Ok([made()?, made()?])
     }
 
     /// A host's device with lower limits.
@@ -113,11 +106,16 @@ impl Gpu {
                 lowered.workgroups.unwrap_or(l.max_compute_workgroups_per_dimension);
             l.max_storage_buffer_binding_size = lowered.binding_bytes.unwrap_or(l.max_storage_buffer_binding_size);
         };
-        self.hosted(change, &DeviceDef { workgroup_size: lowered.workgroup_size })
+        let [device, _] = self.hosted(change, &DeviceDef { workgroup_size: lowered.workgroup_size })?;
+        Ok(device)
     }
 
+    /// A buffer full of poison.
     pub fn buffer(&mut self, bytes: u64) -> Buffer {
-        Buffer(buffer(&self.crumple, bytes))
+        let descriptor = wgpu::BufferDescriptor { label: None, size: bytes, usage: USAGE, mapped_at_creation: false };
+        let buffer = self.crumple.device().create_buffer(&descriptor);
+        self.crumple.queue().write_buffer(&buffer, 0, &POISON.to_le_bytes().repeat(bytes as usize / 4));
+        Buffer(buffer)
     }
 
     pub fn add_target(&mut self, set: &Arc<ExampleSet>, layout: &TestLayout, at: &Buffer) -> Result<Target, Error> {
@@ -149,8 +147,11 @@ impl Gpu {
 
     pub fn frame_done(&mut self) {}
 
+    /// Everything that a buffer holds.
     pub fn read(&mut self, buffer: &Buffer) -> Vec<u32> {
-        read(&mut self.crumple, &buffer.0)
+        let mut bytes = vec![0; buffer.0.size() as usize];
+        self.crumple.read(&buffer.0, 0, &mut bytes).unwrap();
+        bytes.chunks_exact(4).map(|w| u32::from_le_bytes(w.try_into().unwrap())).collect()
     }
 
     /// Objects that a target in a new buffer takes, if its mesh finds room in a chunk: a bind group.
@@ -168,22 +169,7 @@ fn at_once<F: Future>(future: F) -> F::Output {
     }
 }
 
-pub const USAGE: wgpu::BufferUsages = wgpu::BufferUsages::STORAGE
+const USAGE: wgpu::BufferUsages = wgpu::BufferUsages::STORAGE
     .union(wgpu::BufferUsages::VERTEX)
     .union(wgpu::BufferUsages::COPY_SRC)
     .union(wgpu::BufferUsages::COPY_DST);
-
-/// A buffer full of poison.
-pub fn buffer(crumple: &Device, size: u64) -> wgpu::Buffer {
-    let descriptor = wgpu::BufferDescriptor { label: None, size, usage: USAGE, mapped_at_creation: false };
-    let buffer = crumple.device().create_buffer(&descriptor);
-    crumple.queue().write_buffer(&buffer, 0, &POISON.to_le_bytes().repeat(size as usize / 4));
-    buffer
-}
-
-/// Everything that a buffer holds.
-pub fn read(crumple: &mut Device, buffer: &wgpu::Buffer) -> Vec<u32> {
-    let mut bytes = vec![0; buffer.size() as usize];
-    crumple.read(buffer, 0, &mut bytes).unwrap();
-    bytes.chunks_exact(4).map(|w| u32::from_le_bytes(w.try_into().unwrap())).collect()
-}

@@ -4,7 +4,7 @@ use crumple::ErrorKind;
 use crumple::wgpu::wgpu;
 use crumple::wgpu::{Device, DeviceDef, HeadlessDef, adapters};
 
-use crate::backend::{buffer, on_each_device};
+use crate::backend::on_each_device;
 use crate::gpu::layout::TestLayout;
 use crate::gpu::refusals::refused;
 use crate::gpu::scene::Scene;
@@ -21,15 +21,10 @@ fn devices_that_will_not_do_are_refused() {
     let none = HeadlessDef { backends: wgpu::Backends::empty(), ..HeadlessDef::default() };
     refused(Device::headless(&none), Unsupported, &["no adapter", "none"]);
     on_each_device(|gpu| {
-        let lower = |change: fn(&mut wgpu::Limits), words: &[&str]| {
-            let [(device, queue), _] = gpu.hosts(change);
-            refused(Device::new(&device, &queue, &DeviceDef::default()), Unsupported, words);
-        };
-        lower(
-            |l| l.max_storage_buffers_per_shader_stage = 3,
-            &["max_storage_buffers_per_shader_stage 3", "at least 4"],
-        );
-        lower(|l| l.max_bind_groups = 2, &["max_bind_groups 2", "at least 3"]);
+        let lower = |change: fn(&mut wgpu::Limits)| gpu.hosted(change, &DeviceDef::default());
+        let words = ["max_storage_buffers_per_shader_stage 3", "at least 4"];
+        refused(lower(|l| l.max_storage_buffers_per_shader_stage = 3), Unsupported, &words);
+        refused(lower(|l| l.max_bind_groups = 2), Unsupported, &["max_bind_groups 2", "at least 3"]);
     });
 }
 
@@ -45,12 +40,10 @@ fn buffers_that_will_not_do_are_refused() {
         let added = gpu.crumple.add_target(&set, &layout.def(&vertex));
         refused(added, InvalidArgument, &["usage", "VERTEX", "STORAGE"]);
         // What wgpu itself refuses is an error of the call, and does not reach the host's handler of uncaptured errors.
-        let [mut mine, other] = gpu.hosts(|_| ()).map(|(device, queue)| {
-            device.on_uncaptured_error(std::sync::Arc::new(|e| panic!("{e}")));
-            Device::new(&device, &queue, &DeviceDef::default()).unwrap()
-        });
-        let foreign = buffer(&other, layout.size);
-        refused(mine.add_target(&set, &layout.def(&foreign)), Vulkan, &["binding a buffer", "wgpu"]);
+        let [mut mine, mut other] = gpu.hosted(|_| (), &DeviceDef::default()).unwrap();
+        mine.crumple.device().on_uncaptured_error(std::sync::Arc::new(|e| panic!("{e}")));
+        let foreign = other.buffer(layout.size);
+        refused(mine.add_target(&set, &layout, &foreign), Vulkan, &["binding a buffer", "wgpu"]);
         // A buffer that the host destroyed.
         let mut scene = Scene::of(gpu, &set, 6, 1);
         scene.buffer.0.destroy();

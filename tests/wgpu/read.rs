@@ -3,7 +3,7 @@
 use crumple::wgpu::wgpu;
 use crumple::{ErrorKind, VertexMemory};
 
-use crate::backend::{buffer, on_each_device};
+use crate::backend::on_each_device;
 use crate::gpu::layout::TestLayout;
 use crate::gpu::refusals::refused;
 use crate::gpu::scene::Scene;
@@ -41,8 +41,8 @@ fn readings_that_will_not_do_are_refused() {
     let set = scenes::ball_set();
     on_each_device(|gpu| {
         let layout = TestLayout::everything(&set, 0, 0);
+        let seen = gpu.buffer(layout.size).0;
         let crumple = &mut gpu.crumple;
-        let seen = buffer(crumple, layout.size);
         let mut bytes = [7; 8];
         refused(crumple.read(&seen, 2, &mut bytes), Misaligned, &["offset", "2"]);
         refused(crumple.read(&seen, 0, &mut bytes[..3]), Misaligned, &["bytes to read", "3"]);

@@ -13,7 +13,7 @@ use crate::gpu::vertices::sets;
 fn translated_kernels_are_off_by_a_few_units_at_most() {
     let sets = sets();
     on_each_device(|gpu| {
-        let mut hosted = gpu.hosted(|_| (), &DeviceDef::default()).unwrap();
+        let [mut hosted, _] = gpu.hosted(|_| (), &DeviceDef::default()).unwrap();
         for (name, set) in &sets {
             let mut scene = Scene::of(&mut hosted, set, 12, 9);
             scene.run(&mut hosted);
@@ -55,7 +55,7 @@ fn translated_kernels_are_off_by_a_few_units_at_most() {
 fn a_device_that_only_has_what_webgpu_guarantees_will_do() {
     on_each_device(|gpu| {
         for limits in [wgpu::Limits::default(), wgpu::Limits::downlevel_defaults()] {
-            let mut hosted = gpu.hosted(|l| *l = limits.clone(), &DeviceDef::default()).unwrap();
+            let [mut hosted, _] = gpu.hosted(|l| *l = limits.clone(), &DeviceDef::default()).unwrap();
             assert_eq!(dozen(&mut hosted), 1);
         }
     });
