@@ -5,7 +5,7 @@ use crate::base::error::Error;
 use crate::basis::{MOST_WEIGHT, Rows, TILE};
 use crate::example::blocks::{DeltaBlocks, GROUP, Head, Numbers, Stored, Width, words};
 use crate::mesh::MAX_COORDINATE;
-pub(super) use crate::mesh::nearest::indices_below;
+use crate::mesh::nearest::{Leaf, indices_below, vertices_known};
 use crate::mesh::rim::Rim;
 use crate::mesh::vertex_blocks::{BLOCK, block_range};
 use glam::Vec3;
@@ -23,7 +23,7 @@ pub(super) fn numbers(name: &str, all: &[f32], limit: f32) -> Result<(), Error> 
     Err(wrong(format!("number {at} of {name}"), all[at], format!("finite and within {limit:e}")))
 }
 
-pub(super) fn numbers_within(all: &[f32], limit: f32) -> bool {
+fn numbers_within(all: &[f32], limit: f32) -> bool {
     // Without the sign, the bits of floats sort as the floats do; infinities and NaN come last.
     let size = |x: &f32| (x.to_bits() & 0x7FFF_FFFF) as i32;
     let limit = size(&limit);
@@ -45,7 +45,7 @@ pub(super) fn units(name: &str, all: &[Vec3]) -> Result<(), Error> {
     Err(wrong(format!("vector {at} of {name}"), all[at], "of length 1"))
 }
 
-pub(super) fn all_units(all: &[Vec3]) -> bool {
+fn all_units(all: &[Vec3]) -> bool {
     // False for NaN too.
     all.iter().fold(true, |all, v| all & ((v.length_squared() - 1.0).abs() <= 2e-3))
 }
@@ -57,6 +57,15 @@ pub(super) fn indices(name: &str, all: &[u32], len: usize) -> Result<(), Error> 
     }
     let at = all.iter().position(|x| *x as usize >= len).unwrap_or(0);
     Err(wrong(format!("index {at} of {name}"), all[at], format!("below {len}")))
+}
+
+/// All vertices of the leaves must be below `vertices`.
+pub(super) fn leaves(all: &[Leaf], vertices: usize) -> Result<(), Error> {
+    if vertices_known(all, vertices) { Ok(()) } else { Err(no_tree()) }
+}
+
+pub(super) fn no_tree() -> Error {
+    wrong("the spatial index", "no tree of the mesh's vertices", "one, with all its nodes")
 }
 
 /// Tiles must follow each other, with nodes that exist, weights whose sums stay exact, and the same weights for all vertices at one

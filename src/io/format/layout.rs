@@ -89,35 +89,36 @@ pub(super) enum Id {
 }
 
 impl Id {
-    pub(super) const ALL: [Id; 28] = [
-        Id::Set,
-        Id::Examples,
-        Id::Names,
-        Id::Masses,
-        Id::Rule,
-        Id::Mesh,
-        Id::Positions,
-        Id::Normals,
-        Id::Tangents,
-        Id::Triangles,
-        Id::Weld,
-        Id::ContactNormals,
-        Id::RimBlocks,
-        Id::RimWindows,
-        Id::RimHeld,
-        Id::Anchored,
-        Id::Heads,
-        Id::Words,
-        Id::IndexInner,
-        Id::IndexLeaves,
-        Id::DepthLimits,
-        Id::Gives,
-        Id::Tiles,
-        Id::TileNodes,
-        Id::Weights,
-        Id::Slopes,
-        Id::SlopeUnits,
-        Id::SourceOrder,
+    /// All sections with their names.
+    pub(super) const ALL: [(Id, &'static str); 28] = [
+        (Id::Set, "set"),
+        (Id::Examples, "examples"),
+        (Id::Names, "names"),
+        (Id::Masses, "masses"),
+        (Id::Rule, "rule"),
+        (Id::Mesh, "mesh"),
+        (Id::Positions, "positions"),
+        (Id::Normals, "normals"),
+        (Id::Tangents, "tangents"),
+        (Id::Triangles, "triangles"),
+        (Id::Weld, "weld"),
+        (Id::ContactNormals, "contact normals"),
+        (Id::RimBlocks, "rim blocks"),
+        (Id::RimWindows, "rim windows"),
+        (Id::RimHeld, "rim held"),
+        (Id::Anchored, "anchored"),
+        (Id::Heads, "heads"),
+        (Id::Words, "words"),
+        (Id::IndexInner, "index inner"),
+        (Id::IndexLeaves, "index leaves"),
+        (Id::DepthLimits, "depth limits"),
+        (Id::Gives, "gives"),
+        (Id::Tiles, "tiles"),
+        (Id::TileNodes, "tile nodes"),
+        (Id::Weights, "weights"),
+        (Id::Slopes, "slopes"),
+        (Id::SlopeUnits, "slope units"),
+        (Id::SourceOrder, "source order"),
     ];
 
     /// Whether each mesh has its own section of this kind.
@@ -130,36 +131,7 @@ impl Id {
     }
 
     pub(super) fn name(self) -> &'static str {
-        match self {
-            Id::Set => "set",
-            Id::Examples => "examples",
-            Id::Names => "names",
-            Id::Masses => "masses",
-            Id::Rule => "rule",
-            Id::Mesh => "mesh",
-            Id::Positions => "positions",
-            Id::Normals => "normals",
-            Id::Tangents => "tangents",
-            Id::Triangles => "triangles",
-            Id::Weld => "weld",
-            Id::ContactNormals => "contact normals",
-            Id::RimBlocks => "rim blocks",
-            Id::RimWindows => "rim windows",
-            Id::RimHeld => "rim held",
-            Id::Anchored => "anchored",
-            Id::Heads => "heads",
-            Id::Words => "words",
-            Id::IndexInner => "index inner",
-            Id::IndexLeaves => "index leaves",
-            Id::DepthLimits => "depth limits",
-            Id::Gives => "gives",
-            Id::Tiles => "tiles",
-            Id::TileNodes => "tile nodes",
-            Id::Weights => "weights",
-            Id::Slopes => "slopes",
-            Id::SlopeUnits => "slope units",
-            Id::SourceOrder => "source order",
-        }
+        Id::ALL.iter().find(|(id, _)| *id == self).map_or("", |(_, name)| name)
     }
 }
 

@@ -19,17 +19,17 @@ use crate::example::rule::LearnedRule;
 use crate::example::set::{ExampleSet, MAX_MESHES, Parts, check_order, deepest};
 use crate::mesh::limits::{Halves, Limits, half, whole};
 use crate::mesh::mirror::Mirror;
-use crate::mesh::nearest::{LEAF, Leaf, VertexIndex, vertices_known};
+use crate::mesh::nearest::{LEAF, Leaf, VertexIndex};
 use crate::mesh::rim::Rim;
 use crate::mesh::vertex_blocks::BLOCK;
-use crate::mesh::{MAX_COORDINATE, Mesh, MeshArrays};
+use crate::mesh::{Mesh, MeshArrays};
 use bytemuck::{Pod, cast_slice};
 use glam::Vec3;
 use std::sync::Arc;
 
 /// Makes the set from a file's bytes.
 pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSet, Error> {
-    let (file, sound) = open(bytes, tasks)?;
+    let (file, content) = open(bytes, tasks)?;
     let record = *one::<SetRecord>(&file.array(Id::Set, 0)?, Id::Set)?;
     if !(1..=MAX_MESHES as u32).contains(&record.meshes) {
         return Err(wrong("the number of meshes", record.meshes, format!("1 to {MAX_MESHES}")));
@@ -54,7 +54,8 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
         let has_examples = k == 0 && options.whole_examples || k == record.meshes;
         meshes.push(mesh_lod(&file, k, if has_examples { count } else { 0 }, steps)?);
     }
-    check_all(&meshes, sound, tasks)?;
+    content?;
+    check_all(&meshes, tasks)?;
     let (Some(nodes), false) = (meshes.pop(), meshes.is_empty()) else {
         return Err(wrong("the number of meshes", 0, "at least 1"));
     };
@@ -82,7 +83,7 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
     }
     check::between("the widest weld", record.widest_weld, 0.0, f32::INFINITY)?;
     let mut set = ExampleSet::assemble(Parts {
-        index: index(&file, &base.mesh, sound)?,
+        index: index(&file, &base.mesh)?,
         base,
         lods,
         examples,
@@ -124,15 +125,12 @@ fn rows(file: &File<'_>, k: u32, mesh: &Mesh, nodes: &MeshLod) -> Result<Rows, E
 }
 
 /// The vertex index. Whatever its arrays hold, queries return vertices of the mesh.
-fn index(file: &File<'_>, mesh: &Mesh, sound: bool) -> Result<VertexIndex, Error> {
+fn index(file: &File<'_>, mesh: &Mesh) -> Result<VertexIndex, Error> {
     let vertices = mesh.positions().len();
     // Only one of the vertices at one position is in the tree.
     let leaves = (vertices - mesh.seam_count()).div_ceil(LEAF);
     let leaves: Array<Leaf> = file.array_of(Id::IndexLeaves, 0, leaves)?;
-    let known = sound || vertices_known(&leaves, vertices);
-    VertexIndex::of(file.array(Id::IndexInner, 0)?, leaves)
-        .filter(|_| known)
-        .ok_or_else(|| wrong("the spatial index", "no tree of the mesh's vertices", "one, with all its nodes"))
+    VertexIndex::of(file.array(Id::IndexInner, 0)?, leaves).ok_or_else(check::no_tree)
 }
 
 fn one<T: Pod>(array: &Array<T>, id: Id) -> Result<&T, Error> {
@@ -254,19 +252,14 @@ fn anchored(file: &File<'_>, k: u32, examples: usize, steps: Steps) -> Result<Ve
     Ok(out)
 }
 
-/// Checks, in tasks, everything whose size grows with the file. If the file is `sound`, this leaves out the checks of
-/// [`super::scan`].
-fn check_all(meshes: &[MeshLod], sound: bool, tasks: &dyn TaskSystem) -> Result<(), Error> {
+/// Checks, in tasks, everything whose size grows with the file and that [`super::scan`] leaves.
+fn check_all(meshes: &[MeshLod], tasks: &dyn TaskSystem) -> Result<(), Error> {
     type Check<'a> = Box<dyn FnOnce() -> Result<(), Error> + Send + 'a>;
     let mut checks: Vec<Check<'_>> = Vec::new();
     for lod in meshes {
         let a = lod.mesh.arrays();
         let n = lod.vertex_count();
         checks.push(Box::new(move || {
-            if !sound {
-                check::numbers("section positions", cast_slice(&a.positions), MAX_COORDINATE)?;
-                check::indices("section weld", &a.weld, n)?;
-            }
             check::weld(&a.weld, &a.positions)?;
             let limits = lod.mesh.limits();
             let differ = |(v, w): &(usize, &u32)| {
@@ -283,15 +276,8 @@ fn check_all(meshes: &[MeshLod], sound: bool, tasks: &dyn TaskSystem) -> Result<
             }
         }));
         checks.push(Box::new(move || {
-            if !sound {
-                check::units("section normals", a.normals.as_deref().unwrap_or_default())?;
-                check::units("section contact normals", a.contact_normals.as_deref().unwrap_or_default())?;
-            }
             check::numbers("section tangents", cast_slice(a.tangents.as_deref().unwrap_or_default()), f32::MAX)
         }));
-        if !sound {
-            checks.push(Box::new(move || check::indices("section triangles", a.triangles.as_flattened(), n)));
-        }
         checks.push(Box::new(move || check::rim(&lod.rim, n)));
         for (i, anchored) in lod.anchored.iter().enumerate() {
             checks.push(Box::new(move || check::anchored(anchored, n, &format!("example {i}"))));

@@ -1,4 +1,4 @@
-//! The first pass over a file: the checksum, and quick checks of its large sections while their bytes are in the cache.
+//! The first pass over a file: the checksum, and the checks of its large sections while their bytes are in the cache.
 //! A file is read from memory once, whatever is checked.
 
 use super::check;
@@ -8,29 +8,31 @@ use crate::base::array::FileBytes;
 use crate::base::error::Error;
 use crate::base::tasks::{TaskSystem, map};
 use crate::mesh::MAX_COORDINATE;
-use crate::mesh::nearest::{Leaf, vertices_known};
-use bytemuck::{AnyBitPattern, try_cast_slice};
+use bytemuck::{Pod, cast_slice, try_cast_slice};
 use glam::Vec3;
 use std::ops::Range;
 use twox_hash::XxHash3_64;
 
-/// Reads a file's header and table, and verifies its checksum. Also returns whether all of the content that
-/// [`quick_checks`] looks at is right. If not, [`super::load`] finds out what is wrong.
-pub(super) fn open<'a>(bytes: &'a FileBytes, tasks: &dyn TaskSystem) -> Result<(File<'a>, bool), Error> {
+/// Reads a file's header and table, and verifies its checksum. Also returns what is wrong in its large sections, if anything is;
+/// what comes first in a file is told first, so this error may have to wait.
+pub(super) fn open<'a>(bytes: &'a FileBytes, tasks: &dyn TaskSystem) -> Result<(File<'a>, Result<(), Error>), Error> {
     let (stated, file) = File::read(bytes)?;
     let all = bytes.as_slice();
     // Nothing in the table needs to be true yet.
-    let checks = file.as_ref().map_or(Vec::new(), quick_checks);
+    let checks = file.as_ref().map_or(Vec::new(), large_sections);
     let chunks = map(tasks, (UNHASHED..all.len()).step_by(CHUNK), |start| {
         let chunk = start..all.len().min(start + CHUNK);
-        (XxHash3_64::oneshot(&all[chunk.clone()]), checks.iter().all(|check| check.holds(all, &chunk)))
+        (XxHash3_64::oneshot(&all[chunk.clone()]), checks.iter().all(|check| check.part(all, &chunk).is_ok()))
     });
     let found = checksum(&chunks.iter().map(|c| c.0).collect::<Vec<u64>>());
     // A damaged table is first of all damaged.
     if stated != found {
         return Err(wrong("the checksum", format!("{stated:#018x}"), format!("{found:#018x}: the file was damaged")));
     }
-    Ok((file?, chunks.iter().all(|c| c.1)))
+    let sound = chunks.iter().all(|c| c.1);
+    // Once more for the place of what is wrong in its section.
+    let content = if sound { Ok(()) } else { checks.iter().try_for_each(|check| check.part(all, &check.section)) };
+    Ok((file?, content))
 }
 
 /// A check of the elements of one section.
@@ -39,47 +41,54 @@ struct Check {
     section: Range<usize>,
     /// Bytes of one element.
     element: usize,
-    holds: Box<Holds>,
+    /// What is wrong with some of the section's bytes.
+    elements: Box<dyn Fn(&[u8]) -> Result<(), Error> + Sync>,
 }
 
-/// Whether a section's bytes are right.
-type Holds = dyn Fn(&[u8]) -> bool + Sync;
-
 impl Check {
-    fn of<T: AnyBitPattern>(section: Range<usize>, holds: impl Fn(&[T]) -> bool + Sync + 'static) -> Self {
-        // Memory that is not aligned counts as wrong here.
-        let holds = move |bytes: &[u8]| try_cast_slice(bytes).is_ok_and(&holds);
-        Check { section, element: size_of::<T>(), holds: Box::new(holds) }
+    /// `elements` gets the section's name. A section that cannot be found has no elements; that it is absent is seen later.
+    fn of<T: Pod>(
+        file: &File<'_>,
+        (id, mesh): (Id, u32),
+        elements: impl Fn(&str, &[T]) -> Result<(), Error> + Sync + 'static,
+    ) -> Self {
+        let name = format!("section {}", id.name());
+        let elements = move |bytes: &[u8]| {
+            elements(&name, try_cast_slice(bytes).map_err(|e| wrong(&name, e, "aligned elements"))?)
+        };
+        let section = file.range(id, mesh, size_of::<T>()).unwrap_or_default();
+        Check { section, element: size_of::<T>(), elements: Box::new(elements) }
     }
 
     /// Checks the elements that begin in this part of the file.
-    fn holds(&self, file: &[u8], part: &Range<usize>) -> bool {
+    fn part(&self, file: &[u8], part: &Range<usize>) -> Result<(), Error> {
         let Range { start, end } = self.section;
         // The first element from this byte on.
         let from = |at: usize| start + at.clamp(start, end).saturating_sub(start).next_multiple_of(self.element);
         let bytes = from(part.start).min(end)..from(part.end).min(end);
-        bytes.is_empty() || (self.holds)(&file[bytes])
+        if bytes.is_empty() { Ok(()) } else { (self.elements)(&file[bytes]) }
     }
 }
 
-/// The checks of [`super::check`] that go over large sections. Sections that cannot be found are checked later.
-fn quick_checks(file: &File<'_>) -> Vec<Check> {
+/// The checks of large sections that look at one element at a time.
+fn large_sections(file: &File<'_>) -> Vec<Check> {
     let mut checks = Vec::new();
     for mesh in 0.. {
         let Some(record) = file.array::<MeshRecord>(Id::Mesh, mesh).ok().and_then(|m| m.first().copied()) else {
             break;
         };
         let n = record.vertices as usize;
-        let range = |id, element: usize| file.range(id, mesh, element).unwrap_or_default();
-        let below = move |x: &[u32]| check::indices_below(x, n);
-        let vectors = size_of::<Vec3>();
-        checks.push(Check::of(range(Id::Positions, vectors), |x| check::numbers_within(x, MAX_COORDINATE)));
-        checks.push(Check::of(range(Id::Normals, vectors), check::all_units));
-        checks.push(Check::of(range(Id::ContactNormals, vectors), check::all_units));
-        checks.push(Check::of(range(Id::Triangles, size_of::<[u32; 3]>()), below));
-        checks.push(Check::of(range(Id::Weld, size_of::<u32>()), below));
+        checks.push(Check::of(file, (Id::Positions, mesh), |name, x: &[Vec3]| {
+            check::numbers(name, cast_slice(x), MAX_COORDINATE)
+        }));
+        checks.push(Check::of(file, (Id::Normals, mesh), check::units));
+        checks.push(Check::of(file, (Id::ContactNormals, mesh), check::units));
+        checks.push(Check::of(file, (Id::Triangles, mesh), move |name, x: &[[u32; 3]]| {
+            check::indices(name, x.as_flattened(), n)
+        }));
+        checks.push(Check::of(file, (Id::Weld, mesh), move |name, x: &[u32]| check::indices(name, x, n)));
         if mesh == 0 {
-            checks.push(Check::of(range(Id::IndexLeaves, size_of::<Leaf>()), move |x| vertices_known(x, n)));
+            checks.push(Check::of(file, (Id::IndexLeaves, 0), move |_, x| check::leaves(x, n)));
         }
     }
     checks
