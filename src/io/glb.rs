@@ -1,67 +1,89 @@
-//! New accessors, and the GLB container.
+//! Writes GLBs: new accessors, and the container.
 
 use crate::base::error::Error;
 use crate::io::import::unsupported;
+use bytemuck::cast_slice;
 use serde_json::{Map, Value, json};
 
 /// OpenGL's constants for the content of a bufferView, which glTF uses too.
 pub(crate) const ARRAY_BUFFER: u32 = 34962;
-pub(crate) const ELEMENT_ARRAY_BUFFER: u32 = 34963;
+const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 
-/// Bytes for the file's binary chunk.
-#[derive(Default)]
-pub(crate) struct Blob {
-    pub bytes: Vec<u8>,
+/// A GLB that is being written: its JSON, and bytes of its binary chunk.
+pub(crate) struct Glb {
+    pub root: Value,
+    pub bin: Vec<u8>,
 }
 
-impl Blob {
-    /// Appends at the next multiple of 4, the alignment that all component types need. Returns (offset, length).
-    pub fn push(&mut self, bytes: &[u8]) -> (usize, usize) {
-        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
-        self.bytes.extend_from_slice(bytes);
-        (self.bytes.len() - bytes.len(), bytes.len())
+impl Glb {
+    pub fn new(root: Value) -> Self {
+        Glb { root, bin: Vec::new() }
+    }
+
+    /// Appends to one of the root's arrays, which is created if needed.
+    pub fn push(&mut self, key: &str, element: Value) -> usize {
+        if !self.root[key].is_array() {
+            self.root[key] = Value::Array(Vec::new());
+        }
+        let list = self.root[key].as_array_mut().expect("an array, made above");
+        list.push(element);
+        list.len() - 1
+    }
+
+    /// Adds a bufferView of the binary chunk. Other buffers are laid out later.
+    pub fn push_view(&mut self, bytes: &[u8], target: Option<u32>) -> usize {
+        // The alignment that all component types need.
+        self.bin.resize(self.bin.len().next_multiple_of(4), 0);
+        let mut view = json!({ "buffer": 0, "byteOffset": self.bin.len(), "byteLength": bytes.len() });
+        self.bin.extend_from_slice(bytes);
+        if let Some(target) = target {
+            view["target"] = target.into();
+        }
+        self.push("bufferViews", view)
+    }
+
+    /// Adds an accessor of float `values`, with bounds if asked for; glTF requires bounds for positions.
+    pub fn push_attribute<const N: usize>(&mut self, values: &[[f32; N]], bounds: bool) -> usize {
+        let view = self.push_view(cast_slice(values.as_flattened()), Some(ARRAY_BUFFER));
+        let (count, kind) = (values.len(), kind::<N>());
+        let mut accessor = json!({ "bufferView": view, "componentType": 5126, "count": count, "type": kind });
+        if bounds {
+            set_bounds(&mut accessor, values.iter());
+        }
+        self.push("accessors", accessor)
+    }
+
+    /// Adds an accessor of vertex indices.
+    pub fn push_indices(&mut self, indices: &[u32]) -> usize {
+        let view = self.push_view(cast_slice(indices), Some(ELEMENT_ARRAY_BUFFER));
+        let accessor = json!({ "bufferView": view, "componentType": 5125, "count": indices.len(), "type": "SCALAR" });
+        self.push("accessors", accessor)
+    }
+
+    /// The bytes of a GLB that has no other buffers.
+    pub fn finish(mut self) -> Result<Vec<u8>, Error> {
+        self.root["buffers"] = json!([{ "byteLength": self.bin.len() }]);
+        container(&self.root, &self.bin, &[])
     }
 }
 
-/// Adds a bufferView of `blob`. Its buffer is filled in when the buffers are laid out.
-pub(crate) fn push_view(root: &mut Value, blob: &mut Blob, bytes: &[u8], target: Option<u32>) -> usize {
-    let (offset, length) = blob.push(bytes);
-    let mut view = json!({ "buffer": 0, "byteOffset": offset, "byteLength": length });
-    if let Some(target) = target {
-        view["target"] = target.into();
-    }
-    push(root, "bufferViews", view)
+/// The JSON of a new glTF with one scene.
+pub(crate) fn new_root(scene: Value, nodes: Value) -> Value {
+    let asset = json!({ "version": "2.0", "generator": concat!("crumple ", env!("CARGO_PKG_VERSION")) });
+    json!({ "asset": asset, "scene": 0, "scenes": [scene], "nodes": nodes })
 }
 
-/// Adds an accessor of float `values`, with bounds if asked for; glTF requires bounds for positions.
-pub(crate) fn push_attribute<const N: usize>(
-    root: &mut Value,
-    blob: &mut Blob,
-    values: &[[f32; N]],
-    bounds: bool,
-) -> usize {
-    let bytes: Vec<u8> = values.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
-    let view = push_view(root, blob, &bytes, Some(ARRAY_BUFFER));
-    let kind = ["SCALAR", "VEC2", "VEC3", "VEC4"][N - 1];
-    let mut accessor = json!({ "bufferView": view, "componentType": 5126, "count": values.len(), "type": kind });
-    if bounds {
-        let fold = |f: fn(f32, f32) -> f32| {
-            (0..N).map(|i| values.iter().map(|v| v[i]).reduce(f).unwrap_or(0.0)).map(f64::from).collect::<Vec<_>>()
-        };
-        accessor["min"] = fold(f32::min).into();
-        accessor["max"] = fold(f32::max).into();
-    }
-    push(root, "accessors", accessor)
+/// The type of an accessor with `N` numbers an element.
+pub(crate) fn kind<const N: usize>() -> &'static str {
+    ["SCALAR", "VEC2", "VEC3", "VEC4"][N - 1]
 }
 
-/// Appends to one of the root's arrays, which is created if needed.
-pub(crate) fn push(root: &mut Value, key: &str, element: Value) -> usize {
-    if !root[key].is_array() {
-        root[key] = Value::Array(Vec::new());
-    }
-    let list = root[key].as_array_mut().expect("an array, made above");
-    list.push(element);
-    list.len() - 1
+/// Gives an accessor the bounds of its values.
+pub(crate) fn set_bounds<'v, const N: usize>(accessor: &mut Value, values: impl Iterator<Item = &'v [f32; N]> + Clone) {
+    let bound = |least: fn(f32, f32) -> f32| -> Vec<f64> {
+        (0..N).map(|k| f64::from(values.clone().map(|v| v[k]).reduce(least).unwrap_or(0.0))).collect()
+    };
+    (accessor["min"], accessor["max"]) = (bound(f32::min).into(), bound(f32::max).into());
 }
 
 /// Header, JSON chunk, binary chunk and `others`, each padded to 4 bytes.

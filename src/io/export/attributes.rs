@@ -1,14 +1,18 @@
 //! The vertices of a piece as the file holds them: which of them changed, and new accessors for those.
 
-use super::vertices::Vertices;
+use super::Vertices;
+use crate::base::error::Error;
 use crate::base::math::{to_f32, unit};
-use crate::io::glb::{ARRAY_BUFFER, Blob, push};
+use crate::io::glb::{ARRAY_BUFFER, Glb, kind, set_bounds};
 use crate::io::import::accessor::Accessor;
+use crate::io::import::document::Document;
 use crate::io::import::piece::{Offsets, Piece};
+use crate::io::import::primitives::Primitive;
 use crate::mesh::data::MeshData;
-use ::gltf::json::accessor::ComponentType;
+use ::gltf::json::accessor::{ComponentType, Type};
+use ::gltf::json::mesh::Semantic;
 use glam::{DMat3, DMat4, DVec3, Vec3, Vec4};
-use serde_json::{Value, json};
+use serde_json::json;
 
 /// Where a vertex stays, its normal and tangent stay too unless a component changes by more than this, 0.006 degrees: a displacement
 /// may be shorter than the rounding of positions, and the slope of a carried dent fades out a little later than its depth.
@@ -23,6 +27,25 @@ pub(super) struct Written<const N: usize> {
 impl<const N: usize> Written<N> {
     fn any(&self) -> bool {
         self.changed.contains(&true)
+    }
+
+    /// Adds an accessor for a primitive's vertices if any of them changed. Returns the attribute's name and the accessor's number.
+    fn write(
+        &self,
+        doc: &Document<'_>,
+        glb: &mut Glb,
+        primitive: &Primitive<'_>,
+        semantic: Semantic,
+    ) -> Result<Option<(String, usize)>, Error> {
+        let own = primitive.vertices();
+        let (values, changed) = (&self.values[own.clone()], &self.changed[own]);
+        if !changed.contains(&true) {
+            return Ok(None);
+        }
+        let of = if N == 3 { Type::Vec3 } else { Type::Vec4 };
+        let Some(old) = primitive.accessor(doc, semantic.clone(), of)? else { return Ok(None) };
+        let is_position = semantic == Semantic::Positions;
+        Ok(Some((semantic.to_string(), push_changed(doc, glb, &old, (values, changed), is_position))))
     }
 }
 
@@ -111,6 +134,24 @@ impl Changes {
         Changes { positions, normals, tangents }
     }
 
+    /// Adds accessors for the attributes of a primitive that changed. Returns their names and numbers.
+    pub fn write(
+        &self,
+        doc: &Document<'_>,
+        glb: &mut Glb,
+        primitive: &Primitive<'_>,
+    ) -> Result<Vec<(String, usize)>, Error> {
+        let mut list = Vec::from_iter(self.positions.write(doc, glb, primitive, Semantic::Positions)?);
+        if let Some(normals) = &self.normals {
+            list.extend(normals.write(doc, glb, primitive, Semantic::Normals)?);
+        }
+        let has_normals = primitive.attribute(Semantic::Normals).is_some();
+        if let Some(tangents) = self.tangents.as_ref().filter(|_| has_normals) {
+            list.extend(tangents.write(doc, glb, primitive, Semantic::Tangents)?);
+        }
+        Ok(list)
+    }
+
     pub fn any(&self) -> bool {
         let (normals, tangents) = (&self.normals, &self.tangents);
         self.positions.any()
@@ -127,12 +168,12 @@ fn flagged(list: &[bool], v: usize) -> bool {
     list.get(v).copied().unwrap_or(false)
 }
 
-/// Adds an accessor that holds the file's elements where nothing changed, and `values` elsewhere. `old` is the file's accessor and
-/// `json` its JSON. Positions become floats, with bounds; other quantised vectors stay so.
+/// Adds an accessor that holds the elements of the file's accessor `old` where nothing changed, and `values` elsewhere. Positions
+/// become floats, with bounds; other quantised vectors stay so.
 pub(super) fn push_changed<const N: usize>(
-    root: &mut Value,
-    blob: &mut Blob,
-    (old, json): (&Accessor<'_>, &Value),
+    doc: &Document<'_>,
+    glb: &mut Glb,
+    old: &Accessor<'_>,
     (values, changed): (&[[f32; N]], &[bool]),
     is_position: bool,
 ) -> usize {
@@ -147,27 +188,22 @@ pub(super) fn push_changed<const N: usize>(
         // Elements of vertex attributes begin at multiples of four bytes.
         bytes.resize(bytes.len().next_multiple_of(4), 0);
     }
-    let stride = bytes.len() / values.len().max(1);
-    let (offset, length) = blob.push(&bytes);
-    let mut view = json!({ "buffer": 0, "byteOffset": offset, "byteLength": length, "target": ARRAY_BUFFER });
-    let kind = ["SCALAR", "VEC2", "VEC3", "VEC4"][N - 1];
-    let mut accessor = json!({ "count": values.len(), "type": kind });
+    let json = &doc.value["accessors"][old.index];
+    let mut accessor = json!({ "count": values.len(), "type": kind::<N>() });
     for key in ["name", "extras"].into_iter().filter(|key| !json[key].is_null()) {
         accessor[key] = json[key].clone();
     }
+    let view = glb.push_view(&bytes, Some(ARRAY_BUFFER));
     if is_position || is_float {
         accessor["componentType"] = 5126.into();
     } else {
-        view["byteStride"] = stride.into();
+        glb.root["bufferViews"][view]["byteStride"] = (bytes.len() / values.len().max(1)).into();
         accessor["componentType"] = json["componentType"].clone();
         accessor["normalized"] = json["normalized"].clone();
     }
     if is_position {
-        let bound = |least: fn(f32, f32) -> f32| -> Vec<f64> {
-            (0..N).map(|k| f64::from(values.iter().map(|v| v[k]).reduce(least).unwrap_or(0.0))).collect()
-        };
-        (accessor["min"], accessor["max"]) = (bound(f32::min).into(), bound(f32::max).into());
+        set_bounds(&mut accessor, values.iter());
     }
-    accessor["bufferView"] = push(root, "bufferViews", view).into();
-    push(root, "accessors", accessor)
+    accessor["bufferView"] = view.into();
+    glb.push("accessors", accessor)
 }

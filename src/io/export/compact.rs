@@ -1,14 +1,13 @@
 //! Merges all buffers into the GLB's one and drops what nothing uses any more.
 
 use crate::base::error::Error;
-use crate::io::glb::{Blob, container, list_mut, remove_within};
-use crate::io::import::document::{Document, out_of_range, range};
-use crate::io::import::{malformed, meshopt, whole};
+use crate::io::glb::{Glb, container, list_mut, remove_within};
+use crate::io::import::document::Document;
+use crate::io::import::{meshopt, whole};
 use ::gltf::json::Index;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
 
 /// Extensions (by name or by prefix ending in `_`) that do not refer to bufferViews, and whose references to accessors
 /// are handled here.
@@ -56,24 +55,23 @@ impl Used {
     }
 }
 
-/// Writes the file. The bufferViews of `root` from `old_views` on are in `blob`.
+/// Writes the file. The bufferViews of `glb` from `old_views` on are in its binary chunk.
 pub(super) fn write(
     doc: &Document<'_>,
-    root: Value,
-    blob: Blob,
+    glb: Glb,
     old_views: usize,
     before: Used,
     notes: &mut Vec<String>,
 ) -> Result<Vec<u8>, Error> {
+    let Glb { mut root, bin: new } = glb;
     if before.sound && extensions_known(&root) {
         let mut packed = root.clone();
         // If a view is broken, that of another mesh, nothing is moved.
-        if let Ok(bin) = pack(doc, &mut packed, &blob, old_views, before) {
+        if let Ok(bin) = pack(doc, &mut packed, &new, old_views, before) {
             return container(&packed, &bin, &doc.chunks);
         }
     }
-    let mut root = root;
-    let bin = append(doc, &mut root, blob, old_views, notes)?;
+    let bin = append(doc, &mut root, &new, old_views, notes)?;
     container(&root, &bin, &doc.chunks)
 }
 
@@ -82,7 +80,7 @@ pub(super) fn write(
 fn append(
     doc: &Document<'_>,
     root: &mut Value,
-    blob: Blob,
+    new: &[u8],
     old_views: usize,
     notes: &mut Vec<String>,
 ) -> Result<Vec<u8>, Error> {
@@ -99,24 +97,18 @@ fn append(
             Err(error) => notes.push(format!("buffer {i}, '{uri}', cannot be embedded and keeps its uri: {error}")),
         }
     }
-    let place = |root: &mut Value, buffer: usize, start: usize| {
-        for view in list_mut(root, "bufferViews").skip(old_views) {
-            view["buffer"] = buffer.into();
-            view["byteOffset"] = (start as u64 + whole(&view["byteOffset"]).unwrap_or(0)).into();
-        }
-    };
     let Some(first) = first else {
         // The binary chunk is buffer 0, which is elsewhere.
         root["buffers"].as_array_mut().into_iter().for_each(|list| {
-            list.push(json!({ "byteLength": blob.bytes.len(), "uri": data_uri(&blob.bytes) }));
+            list.push(json!({ "byteLength": new.len(), "uri": data_uri(new) }));
         });
-        place(root, count, 0);
+        place(root, old_views, count, 0);
         return Ok(Vec::new());
     };
     let mut bin = first.to_vec();
     bin.resize(bin.len().next_multiple_of(ALIGNMENT), 0);
-    place(root, 0, bin.len());
-    bin.extend_from_slice(&blob.bytes);
+    place(root, old_views, 0, bin.len());
+    bin.extend_from_slice(new);
     if count == 0 {
         root["buffers"] = json!([{}]);
     }
@@ -125,8 +117,16 @@ fn append(
     Ok(bin)
 }
 
+/// Moves the views of new data to `start` in a buffer.
+fn place(root: &mut Value, old_views: usize, buffer: usize, start: usize) {
+    for view in list_mut(root, "bufferViews").skip(old_views) {
+        view["buffer"] = buffer.into();
+        view["byteOffset"] = (start as u64 + whole(&view["byteOffset"]).unwrap_or(0)).into();
+    }
+}
+
 /// Drops what the change made unused, and moves the rest into one buffer.
-fn pack(doc: &Document<'_>, root: &mut Value, blob: &Blob, old_views: usize, before: Used) -> Result<Vec<u8>, Error> {
+fn pack(doc: &Document<'_>, root: &mut Value, new: &[u8], old_views: usize, before: Used) -> Result<Vec<u8>, Error> {
     let after = Used::of(root);
     let keeps = |before: &[bool], after: &[bool]| -> Vec<bool> {
         after.iter().enumerate().map(|(i, used)| *used || !before.get(i).copied().unwrap_or(false)).collect()
@@ -137,7 +137,7 @@ fn pack(doc: &Document<'_>, root: &mut Value, blob: &Blob, old_views: usize, bef
     // Only now that the accessors are gone is it known which views are used.
     let views = keeps(&before.views, &Used::of(root).views);
     view_references(root, &mut renumber(&views));
-    let bin = gather(doc, root, blob, old_views, &views)?;
+    let bin = gather(doc, root, new, old_views, &views)?;
     retain(root.get_mut("bufferViews"), &views);
     root["buffers"] = json!([{ "byteLength": bin.len() }]);
     for key in ["accessors", "bufferViews"] {
@@ -149,15 +149,8 @@ fn pack(doc: &Document<'_>, root: &mut Value, blob: &Blob, old_views: usize, bef
 }
 
 /// Copies the bytes of the kept views, each byte once even where views overlap. What meshoptimizer packed is unpacked.
-fn gather(
-    doc: &Document<'_>,
-    root: &mut Value,
-    blob: &Blob,
-    old_views: usize,
-    keep: &[bool],
-) -> Result<Vec<u8>, Error> {
-    let mut stretches: BTreeMap<(usize, usize), usize> = BTreeMap::new();
-    let (mut places, mut packed) = (Vec::new(), Vec::new());
+fn gather(doc: &Document<'_>, root: &mut Value, new: &[u8], old_views: usize, keep: &[bool]) -> Result<Vec<u8>, Error> {
+    let (mut plain, mut packed) = (Vec::new(), Vec::new());
     for i in (0..old_views).filter(|i| keep[*i]) {
         let extensions = root["bufferViews"][i].get("extensions");
         if extensions.is_some_and(|e| meshopt::EXTENSIONS.iter().any(|name| e.get(name).is_some())) {
@@ -165,32 +158,26 @@ fn gather(
             continue;
         }
         let view = doc.views.get(i, "bufferView")?;
-        let (buffer, offset, length) = (view.buffer.value(), view.byte_offset.map_or(0, |o| o.0), view.byte_length.0);
-        let size = doc.buffer(buffer)?.len();
-        let r = range(offset, Some(length), size).ok_or_else(|| {
-            malformed(format!("bufferView {i} is {length} bytes from byte {offset}; buffer {buffer} has {size}"))
-        })?;
-        let end = stretches.entry((buffer, r.start)).or_insert(r.end);
-        *end = r.end.max(*end);
-        places.push((i, buffer, r.start));
+        let (buffer, start) = (view.buffer.value(), view.byte_offset.map_or(0, |o| o.0));
+        let bytes = doc.bytes(buffer, start, view.byte_length.0, &format!("bufferView {i}"))?;
+        // It lies within the buffer.
+        plain.push((buffer, start as usize, start as usize + bytes.len(), i));
     }
+    plain.sort_unstable();
     let mut bin: Vec<u8> = Vec::new();
-    let mut merged: BTreeMap<(usize, usize), usize> = BTreeMap::new();
-    let mut stretches = stretches.into_iter().peekable();
-    while let Some(((buffer, start), mut end)) = stretches.next() {
-        while let Some(((_, _), next_end)) = stretches.next_if(|((b, s), _)| *b == buffer && *s <= end) {
-            end = end.max(next_end);
+    // The stretch of a buffer that was copied last, and where it is now.
+    let (mut copied, mut at) = ((usize::MAX, 0..0), 0);
+    for (buffer, start, end, view) in plain {
+        if copied.0 != buffer || start > copied.1.end {
+            at = bin.len().next_multiple_of(ALIGNMENT) + start % ALIGNMENT;
+            bin.resize(at, 0);
+            copied = (buffer, start..start);
         }
-        let at = bin.len().next_multiple_of(ALIGNMENT) + start % ALIGNMENT;
-        bin.resize(at, 0);
-        bin.extend_from_slice(&doc.buffer(buffer)?[start..end]);
-        merged.insert((buffer, start), at);
-    }
-    for (view, buffer, start) in places {
-        let (&(_, first), at) =
-            merged.range(..=(buffer, start)).next_back().ok_or_else(|| out_of_range("bufferView", view, 0))?;
+        let known = copied.1.end;
+        bin.extend_from_slice(doc.buffer(buffer)?.get(known..end).unwrap_or_default());
+        copied.1.end = known.max(end);
         root["bufferViews"][view]["buffer"] = 0.into();
-        root["bufferViews"][view]["byteOffset"] = (at + start - first).into();
+        root["bufferViews"][view]["byteOffset"] = (at + start - copied.1.start).into();
     }
     for view in &packed {
         bin.resize(bin.len().next_multiple_of(ALIGNMENT), 0);
@@ -211,11 +198,8 @@ fn gather(
         }
     }
     bin.resize(bin.len().next_multiple_of(ALIGNMENT), 0);
-    let start = bin.len();
-    bin.extend_from_slice(&blob.bytes);
-    for view in list_mut(root, "bufferViews").skip(old_views) {
-        view["byteOffset"] = (start as u64 + whole(&view["byteOffset"]).unwrap_or(0)).into();
-    }
+    place(root, old_views, 0, bin.len());
+    bin.extend_from_slice(new);
     Ok(bin)
 }
 

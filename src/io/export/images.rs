@@ -1,24 +1,23 @@
 //! Embeds images of separate files. An image that cannot be embedded keeps its uri: it never stops a dent.
 
-use crate::io::glb::{Blob, push_view};
+use crate::io::glb::Glb;
 use crate::io::import::document::Document;
 use crate::io::import::uri::{self, UriTarget};
 use crate::io::import::words::cut;
-use serde_json::Value;
 use std::path::Path;
 
 /// Turns images in separate files into bufferViews. Images in `data:` URIs are in the file already.
-pub(super) fn embed(doc: &Document<'_>, root: &mut Value, blob: &mut Blob, notes: &mut Vec<String>) {
+pub(super) fn embed(doc: &Document<'_>, glb: &mut Glb, notes: &mut Vec<String>) {
     let mut kept = Vec::new();
-    for i in 0..root["images"].as_array().map_or(0, Vec::len) {
-        let Some(uri) = root["images"][i]["uri"].as_str().map(str::to_owned) else { continue };
+    for i in 0..glb.root["images"].as_array().map_or(0, Vec::len) {
+        let Some(uri) = glb.root["images"][i]["uri"].as_str().map(str::to_owned) else { continue };
         if uri.starts_with("data:") {
             continue;
         }
         match read(doc, i, &uri) {
             Ok((path, bytes, mime)) => {
-                let view = push_view(root, blob, &bytes, None);
-                let Some(image) = root["images"][i].as_object_mut() else { continue };
+                let view = glb.push_view(&bytes, None);
+                let Some(image) = glb.root["images"][i].as_object_mut() else { continue };
                 image.shift_remove("uri");
                 image.insert("bufferView".into(), view.into());
                 image.entry("mimeType").or_insert(mime.into());

@@ -17,20 +17,25 @@
 //! ```
 
 use crate::base::error::Error;
-use crate::io::import::Reading;
+use crate::io::glb::{Glb, new_root};
+use crate::io::import::{Reading, finite};
+use serde_json::json;
 use std::path::Path;
-use vertices::Vertices;
 
-mod animations;
 mod attributes;
 mod compact;
-mod fresh;
 mod images;
 mod rewrite;
 mod targets;
-mod vertices;
 
-pub use vertices::Exported;
+/// A written file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Exported {
+    /// The GLB's bytes.
+    pub glb: Vec<u8>,
+    /// What could not be kept as it was, such as images that were not found: a sentence each, for people.
+    pub notes: Vec<String>,
+}
 
 /// Rewrites a glTF (`.glb` or `.gltf`) with the deformed vertices of a mesh, or of a body of nodes.
 ///
@@ -77,5 +82,64 @@ pub fn mesh_glb(
     normals: Option<&[[f32; 3]]>,
     tangents: Option<&[[f32; 4]]>,
 ) -> Result<Vec<u8>, Error> {
-    fresh::mesh(name, triangles, Vertices::checked(positions.len(), positions, normals, tangents)?)
+    let count = positions.len();
+    let vertices = Vertices::checked(count, positions, normals, tangents)?;
+    if count == 0 || count > u32::MAX as usize {
+        return Err(Error::invalid("positions.len()", count, &format!("from 1 to {}", u32::MAX)));
+    }
+    let corners = triangles.as_flattened();
+    if let Some(at) = corners.iter().position(|v| *v as usize >= count) {
+        let name = format!("triangles[{}][{}]", at / 3, at % 3);
+        return Err(Error::IndexOutOfRange { name, index: corners[at].into(), len: count as u64 });
+    }
+    let node = if name.is_empty() { json!({ "mesh": 0 }) } else { json!({ "mesh": 0, "name": name }) };
+    let mut glb = Glb::new(new_root(json!({ "nodes": [0] }), json!([node])));
+    let mut attributes = json!({ "POSITION": glb.push_attribute(vertices.positions, true) });
+    if let Some(normals) = vertices.normals {
+        attributes["NORMAL"] = glb.push_attribute(normals, false).into();
+    }
+    if let Some(tangents) = vertices.tangents {
+        attributes["TANGENT"] = glb.push_attribute(tangents, false).into();
+    }
+    let mut primitive = json!({ "attributes": attributes });
+    if corners.is_empty() {
+        primitive["mode"] = 0.into();
+    } else {
+        primitive["indices"] = glb.push_indices(corners).into();
+    }
+    glb.root["meshes"] = json!([{ "name": name, "primitives": [primitive] }]);
+    glb.finish()
+}
+
+/// Deformed vertices, checked to be the right number and finite.
+#[derive(Clone, Copy)]
+struct Vertices<'a> {
+    positions: &'a [[f32; 3]],
+    normals: Option<&'a [[f32; 3]]>,
+    tangents: Option<&'a [[f32; 4]]>,
+}
+
+impl<'a> Vertices<'a> {
+    fn checked(
+        count: usize,
+        positions: &'a [[f32; 3]],
+        normals: Option<&'a [[f32; 3]]>,
+        tangents: Option<&'a [[f32; 4]]>,
+    ) -> Result<Self, Error> {
+        each(count, positions, "positions")?;
+        normals.map_or(Ok(()), |n| each(count, n, "normals"))?;
+        tangents.map_or(Ok(()), |t| each(count, t, "tangents"))?;
+        Ok(Self { positions, normals, tangents })
+    }
+}
+
+fn each<const N: usize>(count: usize, values: &[[f32; N]], name: &str) -> Result<(), Error> {
+    if values.len() != count {
+        return Err(Error::invalid(
+            &format!("{name}.len()"),
+            values.len(),
+            &format!("{count}, as many as the mesh has vertices"),
+        ));
+    }
+    values.iter().enumerate().try_for_each(|(i, v)| finite(*v, || format!("{name}[{i}]")).map(drop))
 }

@@ -1,12 +1,11 @@
 //! Changes vertices in a glTF and removes the targets that are dents, by editing the JSON.
 
-use super::animations::Kept;
 use super::attributes::{Changes, push_changed};
-use super::vertices::{Exported, Vertices};
-use super::{compact, images, targets};
+use super::targets::Kept;
+use super::{Exported, Vertices, compact, images, targets};
 use crate::base::error::Error;
 use crate::base::math::Aabb;
-use crate::io::glb::{Blob, push, remove_within};
+use crate::io::glb::{Glb, remove_within};
 use crate::io::import::Reading;
 use crate::io::import::accessor::Accessor;
 use crate::io::import::body;
@@ -17,8 +16,8 @@ use ::gltf::json::accessor::Type;
 use ::gltf::json::mesh::Semantic;
 use ::gltf::json::validation::Checked;
 use glam::Vec3;
-use serde_json::Value;
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::path::Path;
 
 pub(super) fn deformed<'v>(
@@ -31,20 +30,19 @@ pub(super) fn deformed<'v>(
     let Body { pieces, imported } = body::read(&doc, reading)?;
     let vertices = vertices(imported.mesh.positions.len())?;
     let used_before = compact::Used::of(&doc.value);
-    let mut root = doc.value.clone();
-    let (mut blob, mut notes) = (Blob::default(), Vec::new());
+    let (mut glb, mut notes) = (Glb::new(doc.value.clone()), Vec::new());
     let old_views = doc.views.len();
     let change = |piece: &Piece<'_>| {
         let shown = piece.shown_offsets(&doc)?;
         Ok(Changes::of(piece, &imported.mesh, &vertices, shown.as_ref()))
     };
     let changes = pieces.iter().map(change).collect::<Result<Vec<Changes>, Error>>()?;
-    let meshes = assigned(&doc, &mut root, &pieces, &changes);
+    let meshes = assigned(&doc, &mut glb, &pieces, &changes);
     let mut kept = Kept::default();
     for ((piece, changes), mesh) in pieces.iter().zip(&changes).zip(meshes) {
         if changes.any() {
-            replace_vertices(&doc, (&mut root, &mut blob), (piece, mesh), changes)?;
-            follow(&doc, (&mut root, &mut blob), (piece, mesh), changes, &mut notes);
+            replace_vertices(&doc, &mut glb, (piece, mesh), changes)?;
+            follow(&doc, &mut glb, (piece, mesh), changes, &mut notes);
         }
         let targets = target_count(doc.meshes.get(piece.mesh, "mesh")?);
         if !piece.dents.is_empty() {
@@ -53,15 +51,15 @@ pub(super) fn deformed<'v>(
             kept.meshes.insert(mesh, keep);
         }
     }
-    targets::drop(&doc, &mut root, &mut blob, &kept);
-    images::embed(&doc, &mut root, &mut blob, &mut notes);
-    let glb = compact::write(&doc, root, blob, old_views, used_before, &mut notes)?;
+    targets::drop(&doc, &mut glb, &kept);
+    images::embed(&doc, &mut glb, &mut notes);
+    let glb = compact::write(&doc, glb, old_views, used_before, &mut notes)?;
     Ok(Exported { glb, notes })
 }
 
 /// The mesh that each piece is written to. A mesh that several nodes show is copied for those whose vertices differ; nodes that are no
 /// part of the body keep the file's.
-fn assigned(doc: &Document<'_>, root: &mut Value, pieces: &[Piece<'_>], changes: &[Changes]) -> Vec<usize> {
+fn assigned(doc: &Document<'_>, glb: &mut Glb, pieces: &[Piece<'_>], changes: &[Changes]) -> Vec<usize> {
     let mut others: HashMap<usize, usize> = HashMap::new();
     for mesh in doc.nodes.iter().filter_map(|node| node.mesh) {
         *others.entry(mesh.value()).or_default() += 1;
@@ -80,10 +78,7 @@ fn assigned(doc: &Document<'_>, root: &mut Value, pieces: &[Piece<'_>], changes:
         let (is_taken, unchanged) = taken.entry(mesh).or_default();
         out[i] = match unchanged {
             Some(known) if !changes[i].any() => *known,
-            _ if *is_taken => {
-                let copy = doc.value["meshes"][mesh].clone();
-                push(root, "meshes", copy)
-            }
+            _ if *is_taken => glb.push("meshes", doc.value["meshes"][mesh].clone()),
             _ => mesh,
         };
         *is_taken = true;
@@ -91,59 +86,28 @@ fn assigned(doc: &Document<'_>, root: &mut Value, pieces: &[Piece<'_>], changes:
             *unchanged = Some(out[i]);
         }
         for node in pieces[i].nodes.iter().filter(|_| out[i] != mesh) {
-            root["nodes"][*node]["mesh"] = out[i].into();
+            glb.root["nodes"][*node]["mesh"] = out[i].into();
         }
     }
     out
 }
 
-/// The semantics that are written.
-const POSITION: &str = "POSITION";
-
 /// Gives the primitives of a piece new accessors where vertices changed. The old ones stay for other users.
 fn replace_vertices(
     doc: &Document<'_>,
-    (root, blob): (&mut Value, &mut Blob),
+    glb: &mut Glb,
     (piece, mesh): (&Piece<'_>, usize),
     changes: &Changes,
 ) -> Result<(), Error> {
-    let mut known: HashMap<usize, Vec<(&str, usize)>> = HashMap::new();
+    let mut known: HashMap<usize, Vec<(String, usize)>> = HashMap::new();
     for primitive in &piece.primitives {
-        let own = primitive.vertices();
-        let accessors = match known.get(&own.start) {
-            Some(accessors) => accessors,
-            None => {
-                let mut list = Vec::new();
-                let old = |semantic, label: &str, kind| primitive.accessor(doc, semantic, label, kind);
-                let json = |semantic| {
-                    primitive.attribute(semantic).map_or(&Value::Null, |i| &doc.value["accessors"][i.value()])
-                };
-                let positions = &changes.positions;
-                if positions.changed[own.clone()].contains(&true) {
-                    let old = (&primitive.positions(doc)?, json(Semantic::Positions));
-                    let new = (&positions.values[own.clone()], &positions.changed[own.clone()]);
-                    list.push((POSITION, push_changed(root, blob, old, new, true)));
-                }
-                let normals = changes.normals.as_ref().filter(|n| n.changed[own.clone()].contains(&true));
-                if let (Some(new), Some(accessor)) = (normals, old(Semantic::Normals, "NORMAL", Type::Vec3)?) {
-                    let new = (&new.values[own.clone()], &new.changed[own.clone()]);
-                    let old = (&accessor, json(Semantic::Normals));
-                    list.push(("NORMAL", push_changed(root, blob, old, new, false)));
-                }
-                let tangents = changes.tangents.as_ref().filter(|t| t.changed[own.clone()].contains(&true));
-                let has_normals = primitive.attribute(Semantic::Normals).is_some();
-                let accessor = old(Semantic::Tangents, "TANGENT", Type::Vec4)?.filter(|_| has_normals);
-                if let (Some(new), Some(accessor)) = (tangents, accessor) {
-                    let new = (&new.values[own.clone()], &new.changed[own.clone()]);
-                    let old = (&accessor, json(Semantic::Tangents));
-                    list.push(("TANGENT", push_changed(root, blob, old, new, false)));
-                }
-                known.entry(own.start).or_insert(list)
-            }
+        let accessors = match known.entry(primitive.first_vertex) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(slot) => slot.insert(changes.write(doc, glb, primitive)?),
         };
-        let json = &mut root["meshes"][mesh]["primitives"][primitive.index];
-        for (semantic, accessor) in accessors {
-            json["attributes"][*semantic] = (*accessor).into();
+        let json = &mut glb.root["meshes"][mesh]["primitives"][primitive.index];
+        for (semantic, accessor) in &*accessors {
+            json["attributes"][semantic] = (*accessor).into();
         }
         // An optional compressed copy of the vertices would take precedence over the new ones.
         if let Some(json) = json.as_object_mut().filter(|_| !accessors.is_empty()) {
@@ -156,7 +120,7 @@ fn replace_vertices(
 /// Moves the lines and points of a mesh with the vertices that they share: those of the same accessor, or at the same positions.
 fn follow(
     doc: &Document<'_>,
-    (root, blob): (&mut Value, &mut Blob),
+    glb: &mut Glb,
     (piece, mesh): (&Piece<'_>, usize),
     changes: &Changes,
     notes: &mut Vec<String>,
@@ -187,8 +151,8 @@ fn follow(
         let Some(accessor) = attributes.get(&Checked::Valid(Semantic::Positions)) else { continue };
         let same = |primitive: &&Primitive<'_>| primitive.attribute(Semantic::Positions) == Some(*accessor);
         if let Some(twin) = piece.primitives.iter().find(same) {
-            let number = root["meshes"][mesh]["primitives"][twin.index]["attributes"][POSITION].clone();
-            root["meshes"][mesh]["primitives"][index]["attributes"][POSITION] = number;
+            let primitives = &mut glb.root["meshes"][mesh]["primitives"];
+            primitives[index]["attributes"]["POSITION"] = primitives[twin.index]["attributes"]["POSITION"].clone();
             continue;
         }
         let Ok(own) = Accessor::new(doc, *accessor, "lines", Type::Vec3) else { continue };
@@ -198,9 +162,8 @@ fn follow(
         left += before.iter().filter(inside).filter(|p| !new.contains_key(&bits(p))).count();
         let changed: Vec<bool> = before.iter().zip(&after).map(|(a, b)| a != b).collect();
         if changed.contains(&true) {
-            let old = (&own, &doc.value["accessors"][accessor.value()]);
-            let number = push_changed(root, blob, old, (&after, &changed), true);
-            root["meshes"][mesh]["primitives"][index]["attributes"][POSITION] = number.into();
+            let number = push_changed(doc, glb, &own, (&after, &changed), true);
+            glb.root["meshes"][mesh]["primitives"][index]["attributes"]["POSITION"] = number.into();
         }
     }
     if left > 0 {

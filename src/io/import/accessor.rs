@@ -26,6 +26,7 @@ impl<'d> Strided<'d> {
 pub(crate) struct Accessor<'d> {
     budget: &'d Budget,
     name: String,
+    pub index: usize,
     pub count: usize,
     pub component: ComponentType,
     normalized: bool,
@@ -34,15 +35,14 @@ pub(crate) struct Accessor<'d> {
 }
 
 impl<'d> Accessor<'d> {
-    /// Checks accessor `index`, which must be of type `kind` and have at least one element.
-    /// Scalars are indices.
+    /// Checks accessor `index` of numbers, which must be of type `kind` and have at least one element.
     pub fn new(doc: &'d Document<'_>, index: Index<json::Accessor>, name: &str, kind: Type) -> Result<Self, Error> {
-        Self::of(doc, index, name, (kind, kind == Type::Scalar))
+        Self::of(doc, index, name, (kind, false))
     }
 
-    /// Checks an accessor of one number an element.
-    pub fn of_numbers(doc: &'d Document<'_>, index: Index<json::Accessor>, name: &str) -> Result<Self, Error> {
-        Self::of(doc, index, name, (Type::Scalar, false))
+    /// Checks an accessor of vertex indices.
+    pub fn of_indices(doc: &'d Document<'_>, index: Index<json::Accessor>, name: &str) -> Result<Self, Error> {
+        Self::of(doc, index, name, (Type::Scalar, true))
     }
 
     fn of(
@@ -70,7 +70,7 @@ impl<'d> Accessor<'d> {
             Some(s) => sparse(doc, s, count, size, &name)?,
             None => None,
         };
-        Ok(Self { budget: &doc.budget, name, count, component, normalized: json.normalized, base, sparse })
+        Ok(Self { budget: &doc.budget, name, index, count, component, normalized: json.normalized, base, sparse })
     }
 
     /// Whether the file stores elements. Without any, all are zero.
@@ -87,16 +87,21 @@ impl<'d> Accessor<'d> {
         listed.or_else(|| self.base.map(|base| base.element(i)))
     }
 
-    /// Reads all elements; those that are not stored are zero. They need not be finite.
+    /// Reads all elements as numbers. They need not be finite.
     pub fn values<const N: usize>(&self) -> Result<Vec<[f32; N]>, Error> {
-        self.budget.charge(self.count, size_of::<[f32; N]>(), &self.name)?;
+        self.elements([0.0; N], |bytes| self.decoded(bytes))
+    }
+
+    /// All elements; those that are not stored are `zero`.
+    fn elements<T: Copy>(&self, zero: T, decoded: impl Fn(&[u8]) -> T) -> Result<Vec<T>, Error> {
+        self.budget.charge(self.count, size_of::<T>(), &self.name)?;
         let mut out = reserve(self.count, &self.name)?;
         match self.base {
-            Some(base) => out.extend((0..self.count).map(|i| self.decoded(base.element(i)))),
-            None => out.resize(self.count, [0.0; N]),
+            Some(base) => out.extend((0..self.count).map(|i| decoded(base.element(i)))),
+            None => out.resize(self.count, zero),
         }
-        for (k, i) in self.sparse.iter().flat_map(|(indices, _)| indices.iter().enumerate()) {
-            out[*i as usize] = self.sparse.as_ref().map_or([0.0; N], |(_, values)| self.decoded(values.element(k)));
+        if let Some((indices, values)) = &self.sparse {
+            indices.iter().enumerate().for_each(|(k, i)| out[*i as usize] = decoded(values.element(k)));
         }
         Ok(out)
     }
@@ -130,7 +135,7 @@ impl<'d> Accessor<'d> {
     pub fn floats<const N: usize>(&self) -> Result<Vec<[f32; N]>, Error> {
         let values = self.values::<N>()?;
         for (i, v) in values.iter().enumerate() {
-            finite(*v, || format!("{}[{i}]", self.name))?;
+            finite(*v, || self.element_name(i))?;
         }
         Ok(values)
     }
@@ -150,19 +155,10 @@ impl<'d> Accessor<'d> {
 
     /// Reads all elements as vertex indices, which must be below `limit`.
     pub fn indices(&self, limit: usize) -> Result<Vec<u32>, Error> {
-        self.budget.charge(self.count, 4, &self.name)?;
-        let mut wide = reserve(self.count, &self.name)?;
-        let index = |bytes: &[u8]| bytes.iter().rev().fold(0, |index, byte| index << 8 | u32::from(*byte));
-        match self.base {
-            Some(base) => wide.extend((0..self.count).map(|i| index(base.element(i)))),
-            None => wide.resize(self.count, 0),
-        }
-        if let Some((at, values)) = &self.sparse {
-            at.iter().enumerate().for_each(|(k, i)| wide[*i as usize] = index(values.element(k)));
-        }
-        match wide.iter().position(|i| *i as usize >= limit) {
-            None => Ok(wide),
-            Some(at) => Err(out_of_range(&format!("{}[{at}]", self.name), wide[at] as usize, limit)),
+        let indices = self.elements(0, unsigned)?;
+        match indices.iter().position(|i| *i as usize >= limit) {
+            None => Ok(indices),
+            Some(at) => Err(out_of_range(&self.element_name(at), indices[at] as usize, limit)),
         }
     }
 
@@ -170,6 +166,11 @@ impl<'d> Accessor<'d> {
     pub fn element_name(&self, i: usize) -> String {
         format!("{}[{i}]", self.name)
     }
+}
+
+/// The little-endian number of some bytes.
+fn unsigned(bytes: &[u8]) -> u32 {
+    bytes.iter().rev().fold(0, |number, byte| number << 8 | u32::from(*byte))
 }
 
 fn component(json: &Json, name: &str, (kind, indices): (Type, bool)) -> Result<ComponentType, Error> {
@@ -243,27 +244,14 @@ fn sparse<'d>(
     let values_name = format!("{name} sparse values");
     let values = strided(doc, json.values.buffer_view, json.values.byte_offset.0, listed, size, &values_name)?;
     doc.budget.charge(listed, 4, &indices_name)?;
-    if !matches!(component, ComponentType::U8 | ComponentType::U16 | ComponentType::U32) {
-        return Err(malformed(format!(
-            "{indices_name} have components of {}; they must be unsigned",
-            component_name(component)
-        )));
-    }
-    let index = |bytes: &[u8]| bytes.iter().rev().fold(0, |index, byte| index << 8 | u32::from(*byte));
-    let indices: Vec<u32> = (0..listed).map(|i| index(raw.element(i))).collect();
+    let indices: Vec<u32> = (0..listed).map(|i| unsigned(raw.element(i))).collect();
     if let Some(i) = (1..indices.len()).find(|i| indices[*i] <= indices[i - 1]) {
-        return Err(malformed(format!(
-            "{indices_name}[{i}] is {} after {}; they must increase",
-            indices[i],
-            indices[i - 1]
-        )));
+        let (this, last) = (indices[i], indices[i - 1]);
+        return Err(malformed(format!("{indices_name}[{i}] is {this} after {last}; they must increase")));
     }
-    match indices.last() {
-        Some(last) if *last as usize >= count => {
-            let at = indices.partition_point(|i| (*i as usize) < count);
-            Err(out_of_range(&format!("{indices_name}[{at}]"), indices[at] as usize, count))
-        }
-        _ => Ok(Some((indices, values))),
+    match indices.iter().position(|i| *i as usize >= count) {
+        None => Ok(Some((indices, values))),
+        Some(at) => Err(out_of_range(&format!("{indices_name}[{at}]"), indices[at] as usize, count)),
     }
 }
 
@@ -277,25 +265,18 @@ fn not_elsewhere(doc: &Document<'_>, index: usize, name: &str) -> Result<(), Err
     }
 }
 
-fn type_name(kind: Type) -> &'static str {
-    match kind {
-        Type::Scalar => "SCALAR",
-        Type::Vec2 => "VEC2",
-        Type::Vec3 => "VEC3",
-        Type::Vec4 => "VEC4",
-        Type::Mat2 => "MAT2",
-        Type::Mat3 => "MAT3",
-        Type::Mat4 => "MAT4",
-    }
+fn type_name(kind: Type) -> String {
+    format!("{kind:?}").to_uppercase()
 }
 
-fn component_name(component: ComponentType) -> &'static str {
-    match component {
-        ComponentType::I8 => "BYTE (5120)",
-        ComponentType::U8 => "UNSIGNED_BYTE (5121)",
-        ComponentType::I16 => "SHORT (5122)",
-        ComponentType::U16 => "UNSIGNED_SHORT (5123)",
-        ComponentType::U32 => "UNSIGNED_INT (5125)",
-        ComponentType::F32 => "FLOAT (5126)",
-    }
+fn component_name(component: ComponentType) -> String {
+    let name = match component {
+        ComponentType::I8 => "BYTE",
+        ComponentType::U8 => "UNSIGNED_BYTE",
+        ComponentType::I16 => "SHORT",
+        ComponentType::U16 => "UNSIGNED_SHORT",
+        ComponentType::U32 => "UNSIGNED_INT",
+        ComponentType::F32 => "FLOAT",
+    };
+    format!("{name} ({})", component.as_gl_enum())
 }

@@ -19,7 +19,7 @@ use glam::{DMat3, DMat4, DVec3};
 /// Reads what `reading` chooses.
 pub(crate) fn read<'d>(doc: &'d Document<'_>, reading: &Reading<'_>) -> Result<Body<'d>, Error> {
     reading.check()?;
-    let nodes = Nodes::of(doc);
+    let nodes = Nodes::of(doc)?;
     let source = Source { doc, nodes: &nodes, marks: &Marks::of(doc, &nodes, reading)?, reading };
     let mut notes: Vec<String> = doc
         .unknown_requirements()
@@ -198,7 +198,7 @@ impl<'d> Source<'_, 'd, '_> {
     fn leave_flat(&self, shown: &mut Vec<(usize, usize)>, notes: &mut Vec<String>) -> Result<(), Error> {
         let mut flat = vec![false; self.doc.nodes.len()];
         for (node, _) in &*shown {
-            let world = DMat4::from_cols_array_2d(&self.nodes.shown(*node, &mut Vec::new())?);
+            let world = self.nodes.shown(*node, &mut Vec::new())?;
             flat[*node] = !DMat3::from_mat4(world).inverse().is_finite();
         }
         let hidden = shown.iter().filter(|(node, _)| flat[*node]).count();
@@ -279,7 +279,7 @@ impl<'d> Source<'_, 'd, '_> {
             }
         };
         let to_body = match node {
-            Some(node) => DMat4::from_cols_array_2d(&self.nodes.shown(node, notes)?),
+            Some(node) => self.nodes.shown(node, notes)?,
             None => DMat4::IDENTITY,
         };
         let to_body = DMat4::from_scale(DVec3::splat(f64::from(self.reading.unit))) * to_body;

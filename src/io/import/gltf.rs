@@ -74,7 +74,7 @@ pub fn gltf_solids(bytes: &[u8], base_dir: Option<&Path>, body: Option<[[f32; 4]
     if doc.meshes.len() == 0 {
         return Err(Error::NoSuchMesh { wanted: "a solid".into(), available: meshes(&doc, Vec::new()) });
     }
-    let nodes = Nodes::of(&doc);
+    let nodes = Nodes::of(&doc)?;
     let solid = |mesh| {
         let surface = Surface::read(&doc, &primitives(&doc, mesh)?, &mut Vec::new())?;
         let MeshData { mut positions, triangles, .. } = surface.data;

@@ -143,7 +143,7 @@ fn grouped<'d>(
     by_size.sort_unstable();
     let of_node: std::collections::HashMap<usize, usize> =
         by_size.iter().enumerate().flat_map(|(g, i)| pieces[*i].nodes.iter().map(move |node| (*node, g))).collect();
-    let nearest = nodes.inherited(None, |node, above: &Option<usize>| of_node.get(&node).copied().or(*above))?;
+    let nearest = nodes.inherited(None, |node, above: &Option<usize>| of_node.get(&node).copied().or(*above));
     let mut groups: Vec<Group> = by_size.iter().map(|i| group(&pieces[*i])).collect();
     let (mut of_piece, mut small) = (Vec::with_capacity(pieces.len()), 0);
     let mut others = [None; 3];

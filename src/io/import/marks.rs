@@ -2,27 +2,28 @@
 
 use super::document::Document;
 use super::nodes::Nodes;
-use super::reading::{Found, Mark, MeshChoice, Reading, mark_in};
+use super::reading::{Found, Mark, MeshChoice, Patterns, Reading, mark_in};
 use crate::base::error::Error;
-use serde_json::Value;
+
+/// The marks that patterns give, strongest first.
+const BY_PATTERNS: [Mark; 3] = [Mark::Moving, Mark::Rigid, Mark::Glass];
 
 /// The marks of a file's nodes and materials.
 pub(super) struct Marks<'r> {
-    reading: &'r Reading<'r>,
-    nodes: Vec<Found3>,
-    materials: Vec<Found3>,
+    /// Of [`BY_PATTERNS`].
+    patterns: [&'r Patterns; 3],
+    nodes: Vec<Hints>,
+    materials: Vec<Hints>,
     meshes: Vec<Mark>,
     taken: Vec<bool>,
     /// Nodes that are not shown beside the others, and not taken.
     aside: Vec<bool>,
 }
 
-/// What the three lists of patterns find, and what extras say.
+/// What the patterns find, and what extras say.
 #[derive(Clone, Copy)]
-struct Found3 {
-    rigid: Found,
-    glass: Found,
-    moving: Found,
+struct Hints {
+    found: [Found; 3],
     extras: Mark,
 }
 
@@ -30,50 +31,41 @@ impl<'r> Marks<'r> {
     pub(super) fn of(doc: &Document<'_>, nodes: &Nodes<'_, '_>, reading: &'r Reading<'r>) -> Result<Self, Error> {
         let list = |key: &str| doc.value[key].as_array().map(Vec::as_slice).unwrap_or_default();
         let names: Vec<String> = (0..doc.nodes.len()).map(|node| nodes.name(node)).collect();
-        let material_name = |material: &Value| material["name"].as_str().unwrap_or_default().to_owned();
-        let material_names: Vec<String> = list("materials").iter().map(material_name).collect();
-        let all: Vec<&str> = names.iter().chain(&material_names).map(String::as_str).collect();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let material_names: Vec<&str> =
+            list("materials").iter().map(|material| material["name"].as_str().unwrap_or_default()).collect();
+        let all = [names.as_slice(), &material_names].concat();
         reading.rigid.all_match("what is rigid", &all)?;
         reading.glass.all_match("glass", &all)?;
         reading.moving.all_match("what moves on its own", &all)?;
-        let found = |name: &str, extras: Mark| Found3 {
-            rigid: reading.rigid.found(name),
-            glass: reading.glass.found(name),
-            moving: reading.moving.found(name),
-            extras,
-        };
+        let patterns = [&reading.moving, &reading.rigid, &reading.glass];
         let marks = |key: &'static str| {
             let of = |(i, element)| mark_in(element, || format!("{key}[{i}]"));
             list(key).iter().enumerate().map(of).collect::<Result<Vec<Mark>, Error>>()
         };
+        let hints = |name: &str, extras: Mark| Hints { found: patterns.map(|list| list.found(name)), extras };
         let of_nodes = marks("nodes")?;
-        let inherited = |node: usize, above: &Found3| {
-            let own = found(&names[node], of_nodes[node]);
-            Found3 {
-                rigid: own.rigid.or(above.rigid),
-                glass: own.glass.or(above.glass),
-                moving: own.moving.or(above.moving),
+        let inherited = |node: usize, above: &Hints| {
+            let own = hints(names[node], of_nodes[node]);
+            Hints {
+                found: std::array::from_fn(|k| own.found[k].or(above.found[k])),
                 extras: if own.extras == Mark::Dents { above.extras } else { own.extras },
             }
         };
-        let nothing =
-            Found3 { rigid: Found::default(), glass: Found::default(), moving: Found::default(), extras: Mark::Dents };
-        let of_materials = material_names.iter().zip(marks("materials")?).map(|(name, extras)| found(name, extras));
-        let taken = match reading.mesh {
-            MeshChoice::Nodes(patterns) => {
-                patterns.all_match("nodes", &names.iter().map(String::as_str).collect::<Vec<_>>())?;
-                let own = |node: usize, above: &Found| patterns.found(&names[node]).or(*above);
-                nodes.inherited(Found::default(), own)?.into_iter().map(|found| patterns.take(found)).collect()
+        let of_materials = material_names.iter().zip(marks("materials")?).map(|(name, extras)| hints(name, extras));
+        let (mut taken, mut aside) = (Vec::new(), Vec::new());
+        if let MeshChoice::Nodes(patterns) = reading.mesh {
+            patterns.all_match("nodes", &names)?;
+            let own = |node: usize, above: &Found| patterns.found(names[node]).or(*above);
+            taken = nodes.inherited(Found::default(), own).into_iter().map(|found| patterns.take(found)).collect();
+            if patterns.is_all() {
+                aside = nodes.aside();
             }
-            _ => Vec::new(),
-        };
-        let aside = match reading.mesh {
-            MeshChoice::Nodes(patterns) if patterns.is_all() => nodes.aside()?,
-            _ => Vec::new(),
-        };
+        }
+        let nothing = Hints { found: [Found::default(); 3], extras: Mark::Dents };
         Ok(Self {
-            reading,
-            nodes: nodes.inherited(nothing, inherited)?,
+            patterns,
+            nodes: nodes.inherited(nothing, inherited),
             materials: of_materials.collect(),
             meshes: marks("meshes")?,
             taken,
@@ -92,16 +84,11 @@ impl<'r> Marks<'r> {
     }
 
     fn would_take(&self, node: usize) -> bool {
-        self.taken.get(node).copied().unwrap_or(false) && self.of_node(node) != Mark::Moving
+        self.taken.get(node).copied().unwrap_or(false) && self.decide(Some(node), None, None) != Mark::Moving
     }
 
     fn is_aside(&self, node: usize) -> bool {
         self.aside.get(node).copied().unwrap_or(false)
-    }
-
-    /// The mark of a node, whatever its materials.
-    fn of_node(&self, node: usize) -> Mark {
-        self.decide(Some(node), None, None)
     }
 
     /// The mark of a primitive.
@@ -116,21 +103,13 @@ impl<'r> Marks<'r> {
     fn decide(&self, node: Option<usize>, mesh: Option<usize>, material: Option<usize>) -> Mark {
         let node = node.and_then(|node| self.nodes.get(node));
         let material = material.and_then(|material| self.materials.get(material));
-        let either = |of: fn(&Found3) -> Found| {
-            let found = |one: Option<&Found3>| one.map(of).unwrap_or_default();
-            found(node).or(found(material))
-        };
-        if self.reading.moving.mark(either(|found| found.moving)) {
-            return Mark::Moving;
-        }
-        if self.reading.rigid.mark(either(|found| found.rigid)) {
-            return Mark::Rigid;
-        }
-        if self.reading.glass.mark(either(|found| found.glass)) {
-            return Mark::Glass;
+        let found = |hints: Option<&Hints>| hints.map(|hints| hints.found).unwrap_or_default();
+        let found = found(node).into_iter().zip(found(material)).map(|(node, material)| node.or(material));
+        if let Some((_, mark)) = self.patterns.iter().zip(found).zip(BY_PATTERNS).find(|((list, f), _)| list.mark(*f)) {
+            return mark;
         }
         let mesh = mesh.and_then(|mesh| self.meshes.get(mesh)).copied();
-        let extras = [node.map(|found| found.extras), mesh, material.map(|found| found.extras)];
+        let extras = [node.map(|hints| hints.extras), mesh, material.map(|hints| hints.extras)];
         extras.into_iter().flatten().find(|mark| *mark != Mark::Dents).unwrap_or(Mark::Dents)
     }
 }

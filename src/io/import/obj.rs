@@ -5,7 +5,7 @@ use super::reading::{MeshChoice, Patterns};
 use super::surface::smooth;
 use super::{Imported, finite, gltf, mtl, uri};
 use crate::base::error::Error;
-use crate::io::glb::{Blob, ELEMENT_ARRAY_BUFFER, container, push, push_attribute, push_view};
+use crate::io::glb::{Glb, new_root, set_bounds};
 use bytemuck::cast_slice;
 use glam::Vec3;
 use serde_json::{Map, Value, json};
@@ -146,16 +146,11 @@ impl Builder {
             });
         }
         let materials = self.materials(folder);
-        let mut root = json!({
-            "asset": { "version": "2.0", "generator": concat!("crumple ", env!("CARGO_PKG_VERSION")) },
-            "scene": 0,
-            // Each file is one blow, wherever it dents.
-            "scenes": [{ "nodes": [], "extras": { "targets": "joined" } }],
-            "nodes": [],
-            "meshes": [],
-        });
-        let mut blob = Blob::default();
-        let numbers = self.write_materials(&mut root, &materials);
+        // Each file is one blow, wherever it dents.
+        let scene = json!({ "nodes": [], "extras": { "targets": "joined" } });
+        let mut glb = Glb::new(new_root(scene, json!([])));
+        glb.root["meshes"] = json!([]);
+        let numbers = self.write_materials(&mut glb, &materials);
         for Object { number: object, groups } in self.objects() {
             let several = groups.len() > 1;
             let names = |group: usize| if several { &self.base.groups[group] } else { &self.base.objects[object] };
@@ -163,20 +158,19 @@ impl Builder {
             for (group, faces) in groups {
                 let own = Some(names(group)).filter(|name| !name.is_empty()).unwrap_or(&self.base.groups[group]);
                 let name = if own.is_empty() { &self.base.name } else { own };
-                let mesh = self.mesh(&mut root, &mut blob, name, &faces, &numbers)?;
-                children.push(push(&mut root, "nodes", json!({ "name": name, "mesh": mesh })));
+                let mesh = self.mesh(&mut glb, name, &faces, &numbers)?;
+                children.push(glb.push("nodes", json!({ "name": name, "mesh": mesh })));
             }
             let top = if several && object > 0 {
                 let name = &self.base.objects[object];
-                vec![push(&mut root, "nodes", json!({ "name": name, "children": children }))]
+                vec![glb.push("nodes", json!({ "name": name, "children": children }))]
             } else {
                 children
             };
-            let listed = root["scenes"][0]["nodes"].as_array_mut();
+            let listed = glb.root["scenes"][0]["nodes"].as_array_mut();
             listed.into_iter().for_each(|list| list.extend(top.iter().map(|node| Value::from(*node))));
         }
-        root["buffers"] = json!([{ "byteLength": blob.bytes.len() }]);
-        Ok(Converted { glb: container(&root, &blob.bytes, &[])?, notes: self.notes })
+        Ok(Converted { glb: glb.finish()?, notes: self.notes })
     }
 
     /// The faces of each group of each object, in the order in which the file uses them.
@@ -204,14 +198,7 @@ impl Builder {
     }
 
     /// Writes a mesh with a primitive for each material, and lines as primitives of their own.
-    fn mesh(
-        &self,
-        root: &mut Value,
-        blob: &mut Blob,
-        name: &str,
-        faces: &[&Face],
-        materials: &[Option<usize>],
-    ) -> Result<usize, Error> {
+    fn mesh(&self, glb: &mut Glb, name: &str, faces: &[&Face], materials: &[Option<usize>]) -> Result<usize, Error> {
         let mut kinds: Vec<((bool, usize), Vec<&Face>)> = Vec::new();
         for face in faces {
             let key = (face.is_line, face.material);
@@ -226,24 +213,17 @@ impl Builder {
         let smooth = faces.iter().any(|face| face.smooth && !face.is_line).then(|| self.smooth()).transpose()?;
         let mut primitives = Vec::new();
         for ((is_line, material), faces) in kinds {
-            let mut primitive = self.primitive(root, blob, is_line, &faces, smooth.as_deref());
+            let mut primitive = self.primitive(glb, is_line, &faces, smooth.as_deref());
             if let Some(material) = materials[material] {
                 primitive["material"] = material.into();
             }
             primitives.push(primitive);
         }
         let names: Vec<&str> = self.examples.iter().map(|example| example.name.as_str()).collect();
-        Ok(push(root, "meshes", json!({ "name": name, "primitives": primitives, "extras": { "targetNames": names } })))
+        Ok(glb.push("meshes", json!({ "name": name, "primitives": primitives, "extras": { "targetNames": names } })))
     }
 
-    fn primitive(
-        &self,
-        root: &mut Value,
-        blob: &mut Blob,
-        is_line: bool,
-        faces: &[&Face],
-        smooth: Option<&[Vec3]>,
-    ) -> Value {
+    fn primitive(&self, glb: &mut Glb, is_line: bool, faces: &[&Face], smooth: Option<&[Vec3]>) -> Value {
         let base = &self.base;
         let mut known = HashMap::new();
         let mut corners: Vec<(Corner, bool)> = Vec::new();
@@ -271,7 +251,7 @@ impl Builder {
         }
         let of = |corner: &Corner| corner.v as usize;
         let positions: Vec<[f32; 3]> = corners.iter().map(|(c, _)| base.positions[of(c)]).collect();
-        let mut attributes = json!({ "POSITION": push_attribute(root, blob, &positions, true) });
+        let mut attributes = json!({ "POSITION": glb.push_attribute(&positions, true) });
         let normal = |(corner, is_smooth): &(Corner, bool)| match (corner.vn, smooth) {
             (Some(n), _) => Some(base.normals[n as usize]),
             (None, Some(smooth)) if *is_smooth => Some(smooth[of(corner)].to_array()),
@@ -279,17 +259,17 @@ impl Builder {
         };
         if !is_line && corners.iter().any(|corner| normal(corner).is_some()) {
             let normals: Vec<[f32; 3]> = corners.iter().map(|corner| normal(corner).unwrap_or_default()).collect();
-            attributes["NORMAL"] = push_attribute(root, blob, &normals, false).into();
+            attributes["NORMAL"] = glb.push_attribute(&normals, false).into();
         }
         if corners.iter().any(|(corner, _)| corner.vt.is_some()) {
             // In OBJ v grows upwards from the lower edge, in glTF downwards from the upper edge.
             let uv = |t: u32| [base.texcoords[t as usize][0], 1.0 - base.texcoords[t as usize][1]];
             let texcoords: Vec<[f32; 2]> = corners.iter().map(|(c, _)| c.vt.map_or([0.0, 1.0], uv)).collect();
-            attributes["TEXCOORD_0"] = push_attribute(root, blob, &texcoords, false).into();
+            attributes["TEXCOORD_0"] = glb.push_attribute(&texcoords, false).into();
         }
         if let Some(colours) = &base.colours {
             let colours: Vec<[f32; 3]> = corners.iter().map(|(c, _)| colours[of(c)]).collect();
-            attributes["COLOR_0"] = push_attribute(root, blob, &colours, false).into();
+            attributes["COLOR_0"] = glb.push_attribute(&colours, false).into();
         }
         let mut primitive = json!({ "attributes": attributes });
         if indices.is_empty() {
@@ -298,15 +278,11 @@ impl Builder {
             if is_line {
                 primitive["mode"] = 1.into();
             }
-            let bytes: Vec<u8> = indices.iter().flat_map(|i| i.to_le_bytes()).collect();
-            let view = push_view(root, blob, &bytes, Some(ELEMENT_ARRAY_BUFFER));
-            let accessor =
-                json!({ "bufferView": view, "componentType": 5125, "count": indices.len(), "type": "SCALAR" });
-            primitive["indices"] = push(root, "accessors", accessor).into();
+            primitive["indices"] = glb.push_indices(&indices).into();
         }
         let targets = self.examples.iter().map(|example| {
             let moved = (0u32..).zip(&corners).filter_map(|(i, (c, _))| Some((i, *example.moved.get(&c.v)?)));
-            json!({ "POSITION": push_sparse(root, blob, corners.len(), moved.collect()) })
+            json!({ "POSITION": push_sparse(glb, corners.len(), moved.collect()) })
         });
         primitive["targets"] = targets.collect();
         primitive
@@ -364,7 +340,7 @@ impl Builder {
     }
 
     /// Writes the materials that faces use. Returns the number of each.
-    fn write_materials(&self, root: &mut Value, known: &HashMap<String, tobj::Material>) -> Vec<Option<usize>> {
+    fn write_materials(&self, glb: &mut Glb, known: &HashMap<String, tobj::Material>) -> Vec<Option<usize>> {
         let used: HashSet<usize> = self.base.faces.iter().map(|face| face.material).collect();
         let mut textures = Map::new();
         let mut numbers = vec![None; self.base.materials.len()];
@@ -373,8 +349,8 @@ impl Builder {
                 let known = textures.get(&uri).and_then(Value::as_u64);
                 known.map_or_else(
                     || {
-                        let image = push(root, "images", json!({ "uri": uri }));
-                        let texture = push(root, "textures", json!({ "source": image }));
+                        let image = glb.push("images", json!({ "uri": uri }));
+                        let texture = glb.push("textures", json!({ "source": image }));
                         textures.insert(uri, texture.into());
                         texture
                     },
@@ -382,7 +358,7 @@ impl Builder {
                 )
             };
             let material = mtl::material(name, known.get(name), &mut texture);
-            numbers[number] = Some(push(root, "materials", material));
+            numbers[number] = Some(glb.push("materials", material));
         }
         numbers
     }
@@ -447,22 +423,17 @@ fn triangulated(corners: &[[f32; 3]]) -> Vec<usize> {
 }
 
 /// Adds an accessor that is zero except at `moved`, sorted by vertex.
-fn push_sparse(root: &mut Value, blob: &mut Blob, count: usize, moved: Vec<(u32, [f32; 3])>) -> usize {
-    let bound = |least: fn(f32, f32) -> f32| -> Vec<f64> {
-        let all = |k: usize| moved.iter().map(move |(_, d)| d[k]);
-        // The vertices that do not move count too.
-        let zero = (moved.len() < count).then_some(0.0);
-        (0..3).map(|k| f64::from(all(k).chain(zero).reduce(least).unwrap_or(0.0))).collect()
-    };
+fn push_sparse(glb: &mut Glb, count: usize, moved: Vec<(u32, [f32; 3])>) -> usize {
+    let (indices, values): (Vec<u32>, Vec<[f32; 3]>) = moved.into_iter().unzip();
     let mut accessor = json!({ "componentType": 5126, "count": count, "type": "VEC3" });
-    (accessor["min"], accessor["max"]) = (bound(f32::min).into(), bound(f32::max).into());
-    if !moved.is_empty() {
-        let (indices, values): (Vec<u32>, Vec<[f32; 3]>) = moved.iter().copied().unzip();
+    // The vertices that do not move count too.
+    set_bounds(&mut accessor, values.iter().chain((values.len() < count).then_some(&[0.0; 3])));
+    if !values.is_empty() {
         accessor["sparse"] = json!({
-            "count": moved.len(),
-            "indices": { "bufferView": push_view(root, blob, cast_slice(&indices), None), "componentType": 5125 },
-            "values": { "bufferView": push_view(root, blob, cast_slice(&values), None) },
+            "count": values.len(),
+            "indices": { "bufferView": glb.push_view(cast_slice(&indices), None), "componentType": 5125 },
+            "values": { "bufferView": glb.push_view(cast_slice(&values), None) },
         });
     }
-    push(root, "accessors", accessor)
+    glb.push("accessors", accessor)
 }

@@ -42,16 +42,11 @@ impl Primitive<'_> {
         &self,
         doc: &'d Document<'_>,
         semantic: Semantic,
-        label: &str,
         kind: Type,
     ) -> Result<Option<Accessor<'d>>, Error> {
+        let name = format!("{} {}", self.name, semantic.to_string());
         let Some(index) = self.attribute(semantic) else { return Ok(None) };
-        let name = format!("{} {label}", self.name);
-        let accessor = if kind == Type::Scalar {
-            Accessor::of_numbers(doc, index, &name)?
-        } else {
-            Accessor::new(doc, index, &name, kind)?
-        };
+        let accessor = Accessor::new(doc, index, &name, kind)?;
         self.same_count(&accessor, &name)?;
         Ok(Some(accessor))
     }
@@ -227,7 +222,7 @@ fn triangles(doc: &Document<'_>, primitive: &Primitive<'_>, mode: Mode) -> Resul
     let name = &primitive.name;
     let corners: Vec<u32> = match primitive.json.indices {
         Some(index) => {
-            let accessor = Accessor::new(doc, index, &format!("{name} indices"), Type::Scalar)?;
+            let accessor = Accessor::of_indices(doc, index, &format!("{name} indices"))?;
             accessor.indices(primitive.vertex_count)?
         }
         None => {

@@ -38,10 +38,10 @@ impl Surface {
             new_normals: Vec::new(),
             new_tangents: Vec::new(),
         };
-        let normals = attribute::<3>(doc, primitives, Semantic::Normals, "NORMAL", Type::Vec3)?;
+        let normals = attribute::<3>(doc, primitives, Semantic::Normals, Type::Vec3)?;
         let Some(normals) = normals else { return Ok(out) };
         out.take_normals(normals, primitives, notes)?;
-        if let Some(tangents) = attribute::<4>(doc, primitives, Semantic::Tangents, "TANGENT", Type::Vec4)? {
+        if let Some(tangents) = attribute::<4>(doc, primitives, Semantic::Tangents, Type::Vec4)? {
             out.take_tangents(tangents, primitives, notes);
         }
         Ok(out)
@@ -125,7 +125,6 @@ fn attribute<const N: usize>(
     doc: &Document<'_>,
     primitives: &[Primitive<'_>],
     semantic: Semantic,
-    label: &str,
     kind: Type,
 ) -> Result<Option<Vec<Option<[f32; N]>>>, Error> {
     let mut values = Vec::new();
@@ -133,7 +132,7 @@ fn attribute<const N: usize>(
     for primitive in primitives.iter().filter(|p| p.owns_vertices) {
         // Tangents without normals are to be ignored: glTF 2.0, 3.7.2.1.
         let alone = semantic == Semantic::Tangents && primitive.attribute(Semantic::Normals).is_none();
-        match primitive.accessor(doc, semantic.clone(), label, kind)?.filter(|_| !alone) {
+        match primitive.accessor(doc, semantic.clone(), kind)?.filter(|_| !alone) {
             Some(accessor) => values.extend(accessor.values::<N>()?.into_iter().map(Some)),
             None => values.resize(values.len() + primitive.vertex_count, None),
         }
@@ -149,7 +148,6 @@ fn custom(
     name: &str,
     absent: f32,
 ) -> Result<Option<Vec<f32>>, Error> {
-    let label = format!("_{name}");
-    let values = attribute::<1>(doc, primitives, Semantic::Extras(name.into()), &label, Type::Scalar)?;
+    let values = attribute::<1>(doc, primitives, Semantic::Extras(name.into()), Type::Scalar)?;
     Ok(values.map(|values| values.into_iter().map(|x| x.map_or(absent, |[x]| x)).collect()))
 }
