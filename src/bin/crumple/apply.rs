@@ -90,7 +90,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     bar.set_message("hits");
     let mut instance = Instance::new(source.set.clone(), options(arguments))?;
     source.spare_glass(&mut instance)?;
-    if let Some(transform) = source.transform
+    if let Some(transform) = source.transform()
         && impacts.iter().any(|i| i.hit.space == Space::World)
     {
         instance.set_transform(transform).context("the transform of the mesh's node")?;
@@ -130,7 +130,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     }
     bar.finish_and_clear();
     let mut text = report(arguments, &source, &mut instance, &impacts, &outcomes, &deformed)?;
-    write_notes(&mut text, "  Warning: ", &[&source.notes[..], &exported.notes].concat());
+    write_notes(&mut text, "  Warning: ", &[&source.about.notes[..], &exported.notes].concat());
     Ok(text)
 }
 
@@ -198,7 +198,7 @@ fn draw(kind: Kind, size: [usize; 2], source: &Source, deformed: &Deformed, outc
         before_normals: mesh.normals().unwrap_or_default(),
         after: &after,
         after_normals: &after_normals,
-        coats: (&source.coats, &source.coat_of),
+        coats: (&source.coats.0, &source.coats.1),
         contacts: &marked.map(|o| o.contact_vertex).collect::<Vec<_>>(),
         up: source.up(),
         size,

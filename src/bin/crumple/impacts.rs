@@ -2,51 +2,38 @@
 
 use anyhow::{Context, Result, anyhow, bail};
 use crumple::{Blow, Cause, Hit, Space, Striker, StrikerShape};
-use serde::{Deserialize, Serialize};
-use serde_json::value::RawValue;
+use serde::Deserialize;
+use serde_json::{json, value::RawValue};
 use std::num::NonZeroU64;
 use std::path::Path;
 
 /// One impact of the file. Numbers are f64, so that a number too large for f32 can be refused.
-#[derive(Debug, Default, Serialize, Deserialize)]
+#[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "lowercase")]
 struct Entry {
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     name: Option<String>,
     point: [f64; 3],
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     displacement: Option<[f64; 3]>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     impulse: Option<[f64; 3]>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     normal: Option<[f64; 3]>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     striker: Option<StrikerEntry>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     duration: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     mass: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     space: Option<SpaceName>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     contact: Option<NonZeroU64>,
 }
 
-#[derive(Debug, Default, Serialize, Deserialize)]
+#[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct StrikerEntry {
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     mass: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     radius: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     velocity: Option<[f64; 3]>,
     /// Such as "ball"; other names than those of [`StrikerShape::named`] are notes for people.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     shape: Option<String>,
 }
 
-#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum SpaceName {
     Local,
@@ -193,22 +180,14 @@ fn json_name(serde: &str) -> String {
 }
 
 /// Writes a list of (point, displacement) as text, both m.
-pub fn format(impacts: &[([f32; 3], [f32; 3])]) -> Result<String> {
+pub fn format(impacts: &[([f32; 3], [f32; 3])]) -> String {
     // Goes through the shortest text of an f32, so that the file shows 0.1, not 0.10000000149.
     let exact = |v: [f32; 3]| v.map(|c| c.to_string().parse::<f64>().unwrap_or(f64::from(c)));
-    let mut text = String::from("[\n");
-    for (i, &(point, displacement)) in impacts.iter().enumerate() {
-        let entry = Entry {
-            name: Some(format!("sample {i}")),
-            point: exact(point),
-            displacement: Some(exact(displacement)),
-            ..Entry::default()
-        };
-        let comma = if i + 1 < impacts.len() { "," } else { "" };
-        text.push_str(&format!("  {}{comma}\n", serde_json::to_string(&entry)?));
-    }
-    text.push_str("]\n");
-    Ok(text)
+    let line = |(i, (point, displacement)): (usize, &([f32; 3], [f32; 3]))| {
+        let (point, displacement) = (exact(*point), exact(*displacement));
+        format!("  {}", json!({ "name": format!("sample {i}"), "point": point, "displacement": displacement }))
+    };
+    format!("[\n{}\n]\n", impacts.iter().enumerate().map(line).collect::<Vec<_>>().join(",\n"))
 }
 
 #[cfg(test)]

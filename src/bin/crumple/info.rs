@@ -4,7 +4,7 @@
 use crate::{
     picture::millimetres,
     source::{Input, Source, write_notes},
-    table::{Table, count, digits, percent, point},
+    table::{Table, count, digits, percent, plain, point},
 };
 use anyhow::Result;
 use clap::Args;
@@ -33,14 +33,14 @@ pub fn run(arguments: &Arguments) -> Result<String> {
 
 fn body(text: &mut String, source: &Source) -> Result<()> {
     let mesh = source.set.mesh();
-    let name: String = source.name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    let name = plain(&source.about.name);
     writeln!(
         text,
         "  mesh      {}: {}, {}, {}, {} on seams",
         if name.is_empty() { "(no name)" } else { &name },
         count(source.set.vertex_count(), "vertex", "vertices"),
         count(mesh.triangles().len(), "triangle", "triangles"),
-        count(source.primitives, "primitive", "primitives"),
+        count(source.about.primitives.len().max(1), "primitive", "primitives"),
         mesh.seam_count()
     )?;
     let size = mesh.bounds().max - mesh.bounds().min;
@@ -92,8 +92,8 @@ fn body(text: &mut String, source: &Source) -> Result<()> {
     if report.degenerate_triangles > 0 {
         writeln!(text, "  note      {} triangles have no area", report.degenerate_triangles)?;
     }
-    write_notes(text, "  warning   ", &source.notes);
-    if source.parts.is_empty() { levels(text, &source.set) } else { parts(text, &source.parts) }
+    write_notes(text, "  warning   ", &source.about.notes);
+    if source.about.parts.is_empty() { levels(text, &source.set) } else { parts(text, &source.about.parts) }
 }
 
 /// Reports the parts of a body.
@@ -167,18 +167,13 @@ fn examples(text: &mut String, set: &ExampleSet, scale: f32) {
 /// Reports how many examples know their blow.
 pub fn blows(text: &mut String, set: &ExampleSet) {
     let known = set.examples().iter().filter(|e| e.blow().total_impulse().is_some()).count();
-    let known = if known == 0 { "no example knows its blow".into() } else { of(known, set.examples().len()) };
+    let all = count(set.examples().len(), "example", "examples");
+    let known = match known {
+        0 => "no example knows its blow".into(),
+        1 => format!("1 of {all} knows its blow"),
+        _ => format!("{known} of {all} know their blow"),
+    };
     text.push_str(&format!("\n  blows     {known}\n"));
-}
-
-/// A name on one line.
-fn plain(name: &str) -> String {
-    name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
-}
-
-fn of(known: usize, all: usize) -> String {
-    let know = if known == 1 { "knows its blow" } else { "know their blow" };
-    format!("{known} of {} {know}", count(all, "example", "examples"))
 }
 
 /// Reports how well the examples predict each other, each left out in turn.
@@ -259,13 +254,10 @@ fn regions(mesh: &Mesh, reached: &[bool]) -> Vec<Vec<u32>> {
         parent[a.max(b) as usize] = a.min(b);
     };
     for t in mesh.triangles() {
-        for (a, b) in [(t[0], t[1]), (t[1], t[2])] {
+        for (a, b) in [(t[0], t[1]), (t[1], t[2]), (t[0], t[2])] {
             if !reached[a as usize] && !reached[b as usize] {
                 join(a, b);
             }
-        }
-        if !reached[t[0] as usize] && !reached[t[2] as usize] {
-            join(t[0], t[2]);
         }
     }
     let mut regions = std::collections::BTreeMap::<u32, Vec<u32>>::new();

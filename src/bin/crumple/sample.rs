@@ -35,7 +35,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     let mut file = Output::create_as(&arguments.output, "json", "JSON")?;
     let source = arguments.input.load(&ThreadPool::new(0)?)?;
     let impacts = sample(&source, arguments.count as usize, arguments.seed)?;
-    file.fill(impacts::format(&impacts)?.as_bytes())?;
+    file.fill(impacts::format(&impacts).as_bytes())?;
     file.commit()?;
     let depths = impacts.iter().map(|(_, u)| Vec3::from(*u).length());
     let (low, high) = depths.fold((f32::MAX, 0f32), |(l, h), d| (l.min(d), h.max(d)));

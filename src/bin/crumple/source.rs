@@ -2,16 +2,17 @@
 
 use crate::{
     picture::{self, Coat},
+    table::plain,
     units,
     vertices::Vertices,
 };
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use crumple::{
-    BasisOptions, ExampleSet, Instance, SetOptions, TaskSystem,
-    export::Exported,
+    BasisOptions, ExampleSet, Instance, MeshData, SetOptions, TaskSystem,
+    export::{self, Exported},
     glam::{Mat3, Mat4, Vec3},
-    import::{self, Imported, MeshChoice, Part, PartKind, Patterns, Reading},
+    import::{self, Imported, MeshChoice, PartKind, Patterns, Reading},
 };
 use std::{
     io::Read,
@@ -64,16 +65,10 @@ pub struct Input {
 /// A file's mesh and its examples.
 pub struct Source {
     pub set: Arc<ExampleSet>,
-    pub name: String,
-    pub primitives: usize,
-    pub parts: Vec<Part>,
-    /// Transform from the mesh's space to the scene's.
-    pub transform: Option<Mat4>,
-    /// What is odd in the file.
-    pub notes: Vec<String>,
+    /// What else the file tells; its mesh and examples are in the set.
+    pub about: Imported,
     /// How the materials of a body of parts look, and the index of each vertex's. Empty for other bodies.
-    pub coats: Vec<Coat>,
-    pub coat_of: Vec<f32>,
+    pub coats: (Vec<Coat>, Vec<f32>),
     /// Numbers of the set's meshes that are glass.
     glass: Vec<usize>,
     file: Option<File>,
@@ -96,8 +91,9 @@ impl File {
             (None, None) => MeshChoice::First,
             (None, Some(text)) => text.parse().map_or(MeshChoice::Name(text), MeshChoice::Index),
         };
-        let Reading { targets, rigid, glass, moving, unit, .. } = self.reading.clone();
-        Reading { mesh, targets, rigid, glass, moving, unit }
+        let mut reading: Reading<'_> = self.reading.clone();
+        reading.mesh = mesh;
+        reading
     }
 }
 
@@ -110,55 +106,47 @@ impl Input {
     /// Builds the example set of the file, or loads it if the file is baked.
     pub fn load(&self, tasks: &dyn TaskSystem) -> Result<Source> {
         let shown = self.file.display();
-        let name = self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         if self.is_baked()? {
-            let chooses =
-                [&self.nodes, &self.rigid, &self.glass, &self.moving, &self.targets].iter().any(|p| !p.is_empty());
+            let patterns = [&self.nodes, &self.rigid, &self.glass, &self.moving, &self.targets];
+            let chooses = self.mesh.is_some() || self.join || patterns.iter().any(|list| !list.is_empty());
             ensure!(
-                self.mesh.is_none()
-                    && self.examples.is_empty()
-                    && !self.join
-                    && !chooses
-                    && self.unit.is_none()
-                    && self.basis.is_none(),
+                !chooses && self.examples.is_empty() && self.unit.is_none() && self.basis.is_none(),
                 "{shown} is a baked set, which has one mesh and its own examples; give these options to `crumple bake`"
             );
-            let set = ExampleSet::load_file(&self.file, tasks).with_context(|| shown.to_string())?;
-            let notes = vec![
-                "a baked set has no materials, texture coordinates or nodes; apply its source file to keep them".into(),
-            ];
-            let (set, parts, glass) = (Arc::new(set), Vec::new(), Vec::new());
-            let (coats, coat_of) = (Vec::new(), Vec::new());
-            return Ok(Source {
-                set,
-                name,
-                primitives: 1,
-                parts,
-                transform: None,
-                notes,
-                coats,
-                coat_of,
-                glass,
-                file: None,
-            });
+            let set = Arc::new(ExampleSet::load_file(&self.file, tasks).with_context(|| shown.to_string())?);
+            let about = Imported {
+                name: self.stem(),
+                mesh: MeshData::default(),
+                examples: Vec::new(),
+                primitives: Vec::new(),
+                parts: Vec::new(),
+                node_transform: None,
+                notes: vec![
+                    "a baked set has no materials, texture coordinates or nodes; apply its source file to keep them"
+                        .into(),
+                ],
+            };
+            return Ok(Source { set, about, coats: Default::default(), glass: Vec::new(), file: None });
         }
-        let (imported, file) = self.import()?;
-        let meshes = imported.part_meshes();
-        let Imported { name, mesh, examples, primitives, parts, node_transform, notes } = imported;
+        let (mut about, file) = self.import()?;
+        let meshes = about.part_meshes();
+        let (mesh, examples) = (std::mem::take(&mut about.mesh), std::mem::take(&mut about.examples));
         let options = SetOptions { basis: self.basis(), ..SetOptions::default() };
         let mut set = ExampleSet::build(mesh, examples, options, tasks).with_context(|| shown.to_string())?;
         let mut glass = Vec::new();
         // Only hits on glass need to know a part.
-        for (_, mesh) in parts.iter().zip(meshes).filter(|(part, _)| part.kind == PartKind::Glass) {
+        for (_, mesh) in about.parts.iter().zip(meshes).filter(|(part, _)| part.kind == PartKind::Glass) {
             glass.push(set.add_lod(mesh, tasks).with_context(|| shown.to_string())?);
         }
-        let transform = node_transform.map(|m| Mat4::from_cols_array_2d(&m));
-        let (coats, coat_of) = match parts.len() {
-            0 | 1 => (Vec::new(), Vec::new()),
-            _ => picture::coats(&file.bytes, &primitives, set.mesh().positions().len()),
+        let coats = match about.parts.len() {
+            0 | 1 => Default::default(),
+            _ => picture::coats(&file.bytes, &about.primitives, set.vertex_count()),
         };
-        let (set, primitives) = (Arc::new(set), primitives.len());
-        Ok(Source { set, name, primitives, parts, transform, notes, coats, coat_of, glass, file: Some(file) })
+        Ok(Source { set: Arc::new(set), about, coats, glass, file: Some(file) })
+    }
+
+    fn stem(&self) -> String {
+        self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned()
     }
 
     /// Whether the file was written by `crumple bake`.
@@ -218,7 +206,7 @@ impl Input {
         let read = import::gltf_slice(&file.bytes, Some(&file.base_dir), file.reading());
         let mut imported = read.with_context(|| shown.to_string())?;
         if file.nodes.is_some() {
-            imported.name = self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            imported.name = self.stem();
         }
         if is_obj && !joins {
             imported.parts.retain(|part| part.kind == PartKind::Glass);
@@ -231,23 +219,15 @@ impl Input {
 impl Source {
     /// The file as a GLB, with the mesh replaced by its deformed vertices.
     pub fn deformed_glb(&self, vertices: &Vertices) -> Result<Exported, crumple::Error> {
-        let positions = &vertices.positions;
-        let (normals, tangents) = (vertices.normals.as_deref(), vertices.tangents.as_deref());
-        match &self.file {
-            Some(file) => crumple::export::deformed_glb(
-                &file.bytes,
-                Some(&file.base_dir),
-                file.reading(),
-                positions,
-                normals,
-                tangents,
-            ),
-            None => {
-                let triangles = self.set.mesh().triangles();
-                let glb = crumple::export::mesh_glb(&self.name, triangles, positions, normals, tangents)?;
-                Ok(Exported { glb, notes: Vec::new() })
-            }
+        let Vertices { positions, normals, tangents } = vertices;
+        let (normals, tangents) = (normals.as_deref(), tangents.as_deref());
+        if let Some(file) = &self.file {
+            let folder = Some(file.base_dir.as_path());
+            return export::deformed_glb(&file.bytes, folder, file.reading(), positions, normals, tangents);
         }
+        let triangles = self.set.mesh().triangles();
+        let glb = export::mesh_glb(&self.about.name, triangles, positions, normals, tangents)?;
+        Ok(Exported { glb, notes: Vec::new() })
     }
 
     /// Makes hits on glass leave no mark.
@@ -255,14 +235,19 @@ impl Source {
         self.glass.iter().try_for_each(|part| instance.set_rigid(*part, true))
     }
 
+    /// Transform from the mesh's space to the scene's.
+    pub fn transform(&self) -> Option<Mat4> {
+        self.about.node_transform.map(|columns| Mat4::from_cols_array_2d(&columns))
+    }
+
     /// Unit vector in the mesh's space that points up in the scene; +y is up in glTF.
     pub fn up(&self) -> Vec3 {
-        self.transform.map_or(Vec3::Y, |m| m.transpose().transform_vector3(Vec3::Y).normalize_or(Vec3::Y))
+        self.transform().map_or(Vec3::Y, |m| m.transpose().transform_vector3(Vec3::Y).normalize_or(Vec3::Y))
     }
 
     /// How many times larger the node shows the mesh than its own space has it; 1 if no node shows it.
     pub fn scale(&self) -> f32 {
-        let scale = self.transform.map_or(1.0, |m| Mat3::from_mat4(m).determinant().abs().cbrt());
+        let scale = self.transform().map_or(1.0, |m| Mat3::from_mat4(m).determinant().abs().cbrt());
         if (scale - 1.0).abs() < 1e-4 || scale <= 0.0 { 1.0 } else { scale }
     }
 }
@@ -271,8 +256,7 @@ impl Source {
 pub fn write_notes(text: &mut String, label: &str, notes: &[String]) {
     const SHOWN: usize = 6;
     for note in notes.iter().take(SHOWN) {
-        let note: String = note.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-        text.push_str(&format!("{label}{note}.\n"));
+        text.push_str(&format!("{label}{}.\n", plain(note)));
     }
     if notes.len() > SHOWN {
         text.push_str(&format!("{label}{} more remarks on the file.\n", notes.len() - SHOWN));

@@ -15,9 +15,7 @@ impl Table {
     }
 
     pub fn row(&mut self, cells: Vec<String>) {
-        // A name may hold anything; line breaks and control characters would break the table.
-        let clean = |c: String| c.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-        self.rows.push(cells.into_iter().map(clean).collect());
+        self.rows.push(cells.iter().map(|cell| plain(cell)).collect());
     }
 
     /// Appends the table to `text`, each line indented by two spaces.
@@ -42,6 +40,11 @@ impl Table {
             line(&mut row.iter().map(String::as_str));
         }
     }
+}
+
+/// A text on one line. A name may hold anything; line breaks and control characters would break a table.
+pub fn plain(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
 
 /// A point in metres, with millimetre precision.

@@ -15,7 +15,7 @@ pub(super) struct Corner {
 }
 
 /// A face, or a line of several points.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Face {
     pub corners: Vec<Corner>,
     pub is_line: bool,
@@ -29,6 +29,7 @@ pub(super) struct Face {
 }
 
 /// A parsed file.
+#[derive(Default)]
 pub(super) struct ObjText {
     pub name: String,
     pub positions: Vec<[f32; 3]>,
@@ -49,36 +50,11 @@ pub(super) struct ObjText {
 impl ObjText {
     /// `name` is for errors.
     pub fn parse(name: &str, bytes: &[u8]) -> Result<Self, Error> {
-        let mut parser = Parser {
-            out: ObjText {
-                name: name.into(),
-                positions: Vec::new(),
-                colours: None,
-                texcoords: Vec::new(),
-                normals: Vec::new(),
-                faces: Vec::new(),
-                objects: vec![String::new()],
-                groups: vec![String::new()],
-                materials: vec![String::new()],
-                libraries: Vec::new(),
-                notes: Vec::new(),
-            },
-            state: Face {
-                corners: Vec::new(),
-                is_line: false,
-                object: 0,
-                group: 0,
-                material: 0,
-                smooth: false,
-                line: 0,
-            },
-            line: 0,
-            known: HashMap::new(),
-            small: Counted::default(),
-            absent: Counted::default(),
-            odd: Counted::default(),
-            other: Counted::default(),
-        };
+        // The first name of each list is that of what has none.
+        let unnamed = || vec![String::new()];
+        let (objects, groups, materials) = (unnamed(), unnamed(), unnamed());
+        let out = ObjText { name: name.into(), objects, groups, materials, ..ObjText::default() };
+        let mut parser = Parser { out, ..Parser::default() };
         let text = decoded(bytes);
         // Old programs end lines with a carriage return alone.
         let text = text.replace("\r\n", "\n").replace('\r', "\n");
@@ -105,6 +81,7 @@ enum List {
     Materials,
 }
 
+#[derive(Default)]
 struct Parser {
     out: ObjText,
     /// What the next face begins with.
