@@ -35,34 +35,27 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
         return Err(wrong("the number of meshes", record.meshes, format!("1 to {MAX_MESHES}")));
     }
     // The nodes are the last mesh.
-    let all_meshes = record.meshes + 1;
-    file.check_meshes(all_meshes)?;
+    file.check_meshes(record.meshes + 1)?;
     if !(1..u32::from(u16::MAX)).contains(&record.examples) {
         return Err(wrong("the number of examples", record.examples, "1 to 65534"));
     }
     let count = record.examples as usize;
     let records: Array<ExampleRecord> = file.array_of(Id::Examples, 0, count)?;
-    let mut meshes = crate::base::error::reserve(all_meshes as usize, "meshes")?;
     let vertices = one::<MeshRecord>(&file.array(Id::Mesh, 0)?, Id::Mesh)?.vertices as usize;
     let options = options(&record, &file, vertices)?;
     let steps = options.tolerance.map_or(Steps::EXACT, |t| Steps::new(t, options.normal_tolerance));
     if !(steps.position.is_finite() && steps.normal > 0.0) {
         return Err(wrong("the tolerance", record.tolerance, "such that its steps are floats"));
     }
-    for k in 0..all_meshes {
-        // Levels of detail follow nodes and have no examples.
-        let has_examples = k == 0 && options.whole_examples || k == record.meshes;
-        meshes.push(mesh_lod(&file, k, if has_examples { count } else { 0 }, steps)?);
-    }
+    // Levels of detail follow nodes and have no examples.
+    let base = mesh_lod(&file, 0, if options.whole_examples { count } else { 0 }, steps)?;
+    let lods = (1..record.meshes).map(|k| mesh_lod(&file, k, 0, steps)).collect::<Result<Vec<_>, _>>()?;
+    let nodes = mesh_lod(&file, record.meshes, count, steps)?;
+    let bodies = || [&base].into_iter().chain(&lods);
     content?;
-    check_all(&meshes, tasks)?;
-    let (Some(nodes), false) = (meshes.pop(), meshes.is_empty()) else {
-        return Err(wrong("the number of meshes", 0, "at least 1"));
-    };
-    let rows = (0..).zip(&meshes).map(|(k, lod)| rows(&file, k, &lod.mesh, &nodes)).collect::<Result<Vec<_>, _>>()?;
-    let mut meshes = meshes.into_iter();
-    let Some(base) = meshes.next() else { return Err(wrong("the number of meshes", 0, "at least 1")) };
-    let lods = (1..).zip(meshes).map(|(k, lod)| {
+    check_all(bodies().chain([&nodes]), tasks)?;
+    let rows = (0..).zip(bodies()).map(|(k, lod)| rows(&file, k, &lod.mesh, &nodes)).collect::<Result<Vec<_>, _>>()?;
+    let lods = (1..).zip(lods).map(|(k, lod)| {
         let farthest = one::<MeshRecord>(&file.array(Id::Mesh, k)?, Id::Mesh)?.farthest;
         check::between("the greatest distance of a level of detail", farthest, 0.0, f32::MAX)?;
         let report = LodReport { vertices: lod.vertex_count(), bytes: lod.bytes(), farthest };
@@ -253,7 +246,7 @@ fn anchored(file: &File<'_>, k: u32, examples: usize, steps: Steps) -> Result<Ve
 }
 
 /// Checks, in tasks, everything whose size grows with the file and that [`super::scan`] leaves.
-fn check_all(meshes: &[MeshLod], tasks: &dyn TaskSystem) -> Result<(), Error> {
+fn check_all<'m>(meshes: impl Iterator<Item = &'m MeshLod>, tasks: &dyn TaskSystem) -> Result<(), Error> {
     type Check<'a> = Box<dyn FnOnce() -> Result<(), Error> + Send + 'a>;
     let mut checks: Vec<Check<'_>> = Vec::new();
     for lod in meshes {

@@ -3,13 +3,12 @@
 use super::document::Document;
 use super::extras::{self, Impact};
 use super::join;
-use super::marks::Marks;
 use super::nodes::Nodes;
 use super::piece::{Body, Piece};
 use super::primitives::{Primitive, primitives, target_count};
-use super::reading::{Mark, MeshChoice, Patterns, Reading};
+use super::reading::{Mark, Marks, MeshChoice, Patterns, Reading};
 use super::surface::Surface;
-use super::words::{cut, listed};
+use super::words::{cut, listed, some};
 use super::{malformed, notes};
 use crate::base::error::Error;
 use crate::example::data::{Deltas, ExampleData};
@@ -335,22 +334,14 @@ fn no_such_mesh(doc: &Document<'_>, wanted: String) -> Error {
 
 /// Some of many meshes for a message.
 pub(super) fn meshes(doc: &Document<'_>, list: Vec<usize>) -> String {
-    const SHOWN: usize = 4;
-    if list.is_empty() {
-        return "no meshes".into();
-    }
-    let mut text = list.iter().take(SHOWN).map(|mesh| doc.mesh_label(*mesh)).collect::<Vec<_>>().join(", ");
-    if list.len() > SHOWN {
-        text.push_str(&format!(" and {} more", list.len() - SHOWN));
-    }
-    text
+    some("no meshes", list.iter().map(|mesh| doc.mesh_label(*mesh)))
 }
 
 /// The indices of the targets that are dents.
 fn dents(reading: &Reading<'_>, mesh: &serde_json::Value, names: &[String]) -> Result<Vec<usize>, Error> {
     let own = extras::dents(mesh)?.map(Patterns::new);
     let patterns = if reading.targets.is_empty() { own.unwrap_or_default() } else { reading.targets.clone() };
-    Ok((0..names.len()).filter(|target| patterns.take(patterns.found(&names[*target]))).collect())
+    Ok((0..names.len()).filter(|target| patterns.takes(&names[*target])).collect())
 }
 
 /// The names of the targets' accessors, where some exporters write the names of targets.

@@ -3,12 +3,13 @@
 use super::obj_text::{Corner, Face, ObjText};
 use super::reading::{MeshChoice, Patterns};
 use super::surface::smooth;
-use super::{Imported, finite, gltf, mtl, uri};
+use super::{Imported, finite, gltf_slice, mtl, uri};
 use crate::base::error::Error;
 use crate::io::glb::{Glb, new_root, set_bounds};
 use bytemuck::cast_slice;
 use glam::Vec3;
-use serde_json::{Map, Value, json};
+use indexmap::{IndexMap, IndexSet};
+use serde_json::{Value, json};
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
@@ -53,7 +54,7 @@ pub fn obj_slices(base: (&str, &[u8]), examples: &[(&str, &[u8])]) -> Result<Imp
 
 fn read(converted: Converted) -> Result<Imported, Error> {
     let all = Patterns::default();
-    let imported = gltf::gltf_slice(&converted.glb, None, MeshChoice::Nodes(&all))?;
+    let imported = gltf_slice(&converted.glb, None, MeshChoice::Nodes(&all))?;
     Ok(Imported { notes: [converted.notes, imported.notes].concat(), parts: Vec::new(), ..imported })
 }
 
@@ -88,11 +89,8 @@ struct Example {
     moved: HashMap<u32, [f32; 3]>,
 }
 
-/// The faces of an object, by the numbers of its groups.
-struct Object<'f> {
-    number: usize,
-    groups: Vec<(usize, Vec<&'f Face>)>,
-}
+/// The faces of each group of each object, by their numbers, in the order in which the file uses them.
+type Objects<'f> = IndexMap<usize, IndexMap<usize, Vec<&'f Face>>>;
 
 struct Builder {
     base: ObjText,
@@ -151,7 +149,7 @@ impl Builder {
         let mut glb = Glb::new(new_root(scene, json!([])));
         glb.root["meshes"] = json!([]);
         let numbers = self.write_materials(&mut glb, &materials);
-        for Object { number: object, groups } in self.objects() {
+        for (object, groups) in self.objects() {
             let several = groups.len() > 1;
             let names = |group: usize| if several { &self.base.groups[group] } else { &self.base.objects[object] };
             let mut children = Vec::new();
@@ -173,42 +171,26 @@ impl Builder {
         Ok(Converted { glb: glb.finish()?, notes: self.notes })
     }
 
-    /// The faces of each group of each object, in the order in which the file uses them.
-    fn objects(&self) -> Vec<Object<'_>> {
-        let mut out: Vec<Object<'_>> = Vec::new();
-        let mut objects: HashMap<usize, usize> = HashMap::new();
-        let mut groups: HashMap<(usize, usize), usize> = HashMap::new();
+    fn objects(&self) -> Objects<'_> {
+        let mut out = Objects::new();
         for face in &self.base.faces {
-            let at = *objects.entry(face.object).or_insert(out.len());
-            if at == out.len() {
-                out.push(Object { number: face.object, groups: Vec::new() });
-            }
-            let of_object = &mut out[at].groups;
-            let at = *groups.entry((face.object, face.group)).or_insert(of_object.len());
-            if at == of_object.len() {
-                of_object.push((face.group, Vec::new()));
-            }
-            of_object[at].1.push(face);
+            out.entry(face.object).or_default().entry(face.group).or_default().push(face);
         }
         if out.is_empty() {
             // A cloud of points.
-            out.push(Object { number: 0, groups: vec![(0, Vec::new())] });
+            out.entry(0).or_default().entry(0).or_default();
         }
         out
     }
 
     /// Writes a mesh with a primitive for each material, and lines as primitives of their own.
     fn mesh(&self, glb: &mut Glb, name: &str, faces: &[&Face], materials: &[Option<usize>]) -> Result<usize, Error> {
-        let mut kinds: Vec<((bool, usize), Vec<&Face>)> = Vec::new();
+        let mut kinds: IndexMap<(bool, usize), Vec<&Face>> = IndexMap::new();
         for face in faces {
-            let key = (face.is_line, face.material);
-            match kinds.iter_mut().find(|(known, _)| *known == key) {
-                Some((_, list)) => list.push(face),
-                None => kinds.push((key, vec![face])),
-            }
+            kinds.entry((face.is_line, face.material)).or_default().push(face);
         }
         if kinds.is_empty() {
-            kinds.push(((false, 0), Vec::new()));
+            kinds.insert((false, 0), Vec::new());
         }
         let smooth = faces.iter().any(|face| face.smooth && !face.is_line).then(|| self.smooth()).transpose()?;
         let mut primitives = Vec::new();
@@ -225,20 +207,17 @@ impl Builder {
 
     fn primitive(&self, glb: &mut Glb, is_line: bool, faces: &[&Face], smooth: Option<&[Vec3]>) -> Value {
         let base = &self.base;
-        let mut known = HashMap::new();
-        let mut corners: Vec<(Corner, bool)> = Vec::new();
+        // The vertices, and whether the first face that uses each is smooth.
+        let mut corners: IndexMap<Corner, bool> = IndexMap::new();
         let mut indices: Vec<u32> = Vec::new();
         for face in faces {
-            let own: Vec<u32> = face
-                .corners
-                .iter()
-                .map(|corner| {
-                    *known.entry(*corner).or_insert_with(|| {
-                        corners.push((*corner, face.smooth));
-                        corners.len() as u32 - 1
-                    })
-                })
-                .collect();
+            let mut vertex = |corner: &Corner| {
+                let entry = corners.entry(*corner);
+                let number = entry.index() as u32;
+                entry.or_insert(face.smooth);
+                number
+            };
+            let own: Vec<u32> = face.corners.iter().map(&mut vertex).collect();
             if is_line {
                 indices.extend(own.windows(2).flatten());
             } else {
@@ -250,9 +229,9 @@ impl Builder {
             corners = (0..base.positions.len() as u32).map(|v| (Corner { v, vt: None, vn: None }, false)).collect();
         }
         let of = |corner: &Corner| corner.v as usize;
-        let positions: Vec<[f32; 3]> = corners.iter().map(|(c, _)| base.positions[of(c)]).collect();
+        let positions: Vec<[f32; 3]> = corners.keys().map(|c| base.positions[of(c)]).collect();
         let mut attributes = json!({ "POSITION": glb.push_attribute(&positions, true) });
-        let normal = |(corner, is_smooth): &(Corner, bool)| match (corner.vn, smooth) {
+        let normal = |(corner, is_smooth): (&Corner, &bool)| match (corner.vn, smooth) {
             (Some(n), _) => Some(base.normals[n as usize]),
             (None, Some(smooth)) if *is_smooth => Some(smooth[of(corner)].to_array()),
             (None, _) => None,
@@ -261,14 +240,14 @@ impl Builder {
             let normals: Vec<[f32; 3]> = corners.iter().map(|corner| normal(corner).unwrap_or_default()).collect();
             attributes["NORMAL"] = glb.push_attribute(&normals, false).into();
         }
-        if corners.iter().any(|(corner, _)| corner.vt.is_some()) {
+        if corners.keys().any(|corner| corner.vt.is_some()) {
             // In OBJ v grows upwards from the lower edge, in glTF downwards from the upper edge.
             let uv = |t: u32| [base.texcoords[t as usize][0], 1.0 - base.texcoords[t as usize][1]];
-            let texcoords: Vec<[f32; 2]> = corners.iter().map(|(c, _)| c.vt.map_or([0.0, 1.0], uv)).collect();
+            let texcoords: Vec<[f32; 2]> = corners.keys().map(|c| c.vt.map_or([0.0, 1.0], uv)).collect();
             attributes["TEXCOORD_0"] = glb.push_attribute(&texcoords, false).into();
         }
         if let Some(colours) = &base.colours {
-            let colours: Vec<[f32; 3]> = corners.iter().map(|(c, _)| colours[of(c)]).collect();
+            let colours: Vec<[f32; 3]> = corners.keys().map(|c| colours[of(c)]).collect();
             attributes["COLOR_0"] = glb.push_attribute(&colours, false).into();
         }
         let mut primitive = json!({ "attributes": attributes });
@@ -281,7 +260,7 @@ impl Builder {
             primitive["indices"] = glb.push_indices(&indices).into();
         }
         let targets = self.examples.iter().map(|example| {
-            let moved = (0u32..).zip(&corners).filter_map(|(i, (c, _))| Some((i, *example.moved.get(&c.v)?)));
+            let moved = (0u32..).zip(corners.keys()).filter_map(|(i, c)| Some((i, *example.moved.get(&c.v)?)));
             json!({ "POSITION": push_sparse(glb, corners.len(), moved.collect()) })
         });
         primitive["targets"] = targets.collect();
@@ -342,20 +321,17 @@ impl Builder {
     /// Writes the materials that faces use. Returns the number of each.
     fn write_materials(&self, glb: &mut Glb, known: &HashMap<String, tobj::Material>) -> Vec<Option<usize>> {
         let used: HashSet<usize> = self.base.faces.iter().map(|face| face.material).collect();
-        let mut textures = Map::new();
+        let mut textures = IndexSet::new();
         let mut numbers = vec![None; self.base.materials.len()];
         for (number, name) in self.base.materials.iter().enumerate().skip(1).filter(|(i, _)| used.contains(i)) {
+            // Images and textures have the numbers of their uris.
             let mut texture = |uri: String| {
-                let known = textures.get(&uri).and_then(Value::as_u64);
-                known.map_or_else(
-                    || {
-                        let image = glb.push("images", json!({ "uri": uri }));
-                        let texture = glb.push("textures", json!({ "source": image }));
-                        textures.insert(uri, texture.into());
-                        texture
-                    },
-                    |texture| texture as usize,
-                )
+                let (number, is_new) = textures.insert_full(uri.clone());
+                if is_new {
+                    glb.push("images", json!({ "uri": uri }));
+                    glb.push("textures", json!({ "source": number }));
+                }
+                number
             };
             let material = mtl::material(name, known.get(name), &mut texture);
             numbers[number] = Some(glb.push("materials", material));

@@ -3,8 +3,8 @@
 use super::words::{cut, decoded};
 use super::{finite, malformed};
 use crate::base::error::Error;
+use indexmap::IndexSet;
 use std::borrow::Cow;
-use std::collections::HashMap;
 
 /// A corner of a face or a point of a line: indices from 0 of its position, texture coordinate and normal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -40,9 +40,9 @@ pub(super) struct ObjText {
     pub normals: Vec<[f32; 3]>,
     pub faces: Vec<Face>,
     /// Names, the first of them empty.
-    pub objects: Vec<String>,
-    pub groups: Vec<String>,
-    pub materials: Vec<String>,
+    pub objects: IndexSet<String>,
+    pub groups: IndexSet<String>,
+    pub materials: IndexSet<String>,
     pub libraries: Vec<String>,
     pub notes: Vec<String>,
 }
@@ -50,8 +50,7 @@ pub(super) struct ObjText {
 impl ObjText {
     /// `name` is for errors.
     pub fn parse(name: &str, bytes: &[u8]) -> Result<Self, Error> {
-        // The first name of each list is that of what has none.
-        let unnamed = || vec![String::new()];
+        let unnamed = || IndexSet::from([String::new()]);
         let (objects, groups, materials) = (unnamed(), unnamed(), unnamed());
         let out = ObjText { name: name.into(), objects, groups, materials, ..ObjText::default() };
         let mut parser = Parser { out, ..Parser::default() };
@@ -74,21 +73,12 @@ impl ObjText {
     }
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, Hash)]
-enum List {
-    Objects,
-    Groups,
-    Materials,
-}
-
 #[derive(Default)]
 struct Parser {
     out: ObjText,
     /// What the next face begins with.
     state: Face,
     line: usize,
-    /// The numbers of names, by the list that has them.
-    known: HashMap<(List, String), usize>,
     /// Faces with fewer than three corners.
     small: Counted,
     /// Corners that name a texture coordinate or a normal that the file lacks.
@@ -128,31 +118,19 @@ impl Parser {
                 self.out.normals.push(normal);
             }
             "f" | "l" => self.face(rest, keyword == "l")?,
-            "o" => (self.state.object, self.state.group) = (self.number(List::Objects, rest), 0),
-            "g" => self.state.group = self.number(List::Groups, if rest == "default" { "" } else { rest }),
-            "usemtl" => self.state.material = self.number(List::Materials, rest),
+            // A name has the number that it got where it came first.
+            "o" => (self.state.object, self.state.group) = (self.out.objects.insert_full(rest.to_owned()).0, 0),
+            "g" => {
+                let name = if rest == "default" { "" } else { rest };
+                self.state.group = self.out.groups.insert_full(name.to_owned()).0;
+            }
+            "usemtl" => self.state.material = self.out.materials.insert_full(rest.to_owned()).0,
             "mtllib" if !rest.is_empty() => self.out.libraries.push(rest.to_owned()),
             "s" => self.state.smooth = !matches!(rest, "off" | "0" | ""),
             "p" | "curv" | "curv2" | "surf" => self.other.add(self.line),
             _ => {}
         }
         Ok(())
-    }
-
-    /// The number of a name, which is added if it is new.
-    fn number(&mut self, list: List, name: &str) -> usize {
-        let names = match list {
-            List::Objects => &mut self.out.objects,
-            List::Groups => &mut self.out.groups,
-            List::Materials => &mut self.out.materials,
-        };
-        if name.is_empty() {
-            return 0;
-        }
-        *self.known.entry((list, name.to_owned())).or_insert_with(|| {
-            names.push(name.to_owned());
-            names.len() - 1
-        })
     }
 
     fn bad(&self, what: impl std::fmt::Display) -> Error {

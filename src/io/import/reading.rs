@@ -1,6 +1,8 @@
 //! What of a file is read: which mesh or nodes, which morph targets are dents, and what does not dent.
 
+use super::document::Document;
 use super::malformed;
+use super::nodes::Nodes;
 use super::words::{brief, listed};
 use crate::base::error::Error;
 use serde_json::Value;
@@ -99,23 +101,28 @@ impl Patterns {
     }
 
     /// Whether every name is taken that is not taken out again.
-    pub(super) fn is_all(&self) -> bool {
+    fn is_all(&self) -> bool {
         self.taken.is_empty()
     }
 
     /// Whether a name is taken, and whether it is taken out again.
-    pub(super) fn found(&self, name: &str) -> Found {
+    fn found(&self, name: &str) -> Found {
         let any = |list: &[WildMatch]| list.iter().any(|pattern| pattern.matches(name));
         Found { taken: any(&self.taken), left: any(&self.left) }
     }
 
+    /// Whether a name is taken in the end.
+    pub(super) fn takes(&self, name: &str) -> bool {
+        self.take(self.found(name))
+    }
+
     /// Whether to take what has been found. Without a pattern that takes names, all are taken.
-    pub(super) fn take(&self, found: Found) -> bool {
+    fn take(&self, found: Found) -> bool {
         (self.taken.is_empty() || found.taken) && !found.left
     }
 
     /// As [`Patterns::take`], but without patterns nothing is taken.
-    pub(super) fn mark(&self, found: Found) -> bool {
+    fn mark(&self, found: Found) -> bool {
         !self.is_empty() && self.take(found)
     }
 
@@ -133,13 +140,13 @@ impl Patterns {
 
 /// Which of the patterns match a name, or one of several.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Found {
+struct Found {
     taken: bool,
     left: bool,
 }
 
 impl Found {
-    pub(super) fn or(self, other: Found) -> Found {
+    fn or(self, other: Found) -> Found {
         Found { taken: self.taken || other.taken, left: self.left || other.left }
     }
 }
@@ -163,7 +170,7 @@ impl Reading<'_> {
 }
 
 /// The mark in the extras of a node, mesh or material, which `what` names. An object of that name is a note of who made the file.
-pub(super) fn mark_in(element: &Value, what: impl FnOnce() -> String) -> Result<Mark, Error> {
+fn mark_in(element: &Value, what: impl FnOnce() -> String) -> Result<Mark, Error> {
     match &element["extras"]["crumple"] {
         Value::Null | Value::Object(_) => Ok(Mark::Dents),
         Value::String(text) => match text.trim().to_ascii_lowercase().as_str() {
@@ -175,5 +182,114 @@ pub(super) fn mark_in(element: &Value, what: impl FnOnce() -> String) -> Result<
         other => {
             Err(malformed(format!("{}: extras.crumple is {}; it must be rigid, glass or moving", what(), brief(other))))
         }
+    }
+}
+
+/// The marks that patterns give, strongest first.
+const BY_PATTERNS: [Mark; 3] = [Mark::Moving, Mark::Rigid, Mark::Glass];
+
+/// The marks of a file's nodes and materials.
+pub(super) struct Marks<'r> {
+    /// Of [`BY_PATTERNS`].
+    patterns: [&'r Patterns; 3],
+    nodes: Vec<Hints>,
+    materials: Vec<Hints>,
+    meshes: Vec<Mark>,
+    taken: Vec<bool>,
+    /// Nodes that are not shown beside the others, and not taken.
+    aside: Vec<bool>,
+}
+
+/// What the patterns find, and what extras say.
+#[derive(Clone, Copy)]
+struct Hints {
+    found: [Found; 3],
+    extras: Mark,
+}
+
+impl<'r> Marks<'r> {
+    pub(super) fn of(doc: &Document<'_>, nodes: &Nodes<'_, '_>, reading: &'r Reading<'r>) -> Result<Self, Error> {
+        let list = |key: &str| doc.value[key].as_array().map(Vec::as_slice).unwrap_or_default();
+        let names: Vec<String> = (0..doc.nodes.len()).map(|node| nodes.name(node)).collect();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let material_names: Vec<&str> =
+            list("materials").iter().map(|material| material["name"].as_str().unwrap_or_default()).collect();
+        let all = [names.as_slice(), &material_names].concat();
+        reading.rigid.all_match("what is rigid", &all)?;
+        reading.glass.all_match("glass", &all)?;
+        reading.moving.all_match("what moves on its own", &all)?;
+        let patterns = [&reading.moving, &reading.rigid, &reading.glass];
+        let marks = |key: &'static str| {
+            let of = |(i, element)| mark_in(element, || format!("{key}[{i}]"));
+            list(key).iter().enumerate().map(of).collect::<Result<Vec<Mark>, Error>>()
+        };
+        let hints = |name: &str, extras: Mark| Hints { found: patterns.map(|list| list.found(name)), extras };
+        let of_nodes = marks("nodes")?;
+        let inherited = |node: usize, above: &Hints| {
+            let own = hints(names[node], of_nodes[node]);
+            Hints {
+                found: std::array::from_fn(|k| own.found[k].or(above.found[k])),
+                extras: if own.extras == Mark::Dents { above.extras } else { own.extras },
+            }
+        };
+        let of_materials = material_names.iter().zip(marks("materials")?).map(|(name, extras)| hints(name, extras));
+        let (mut taken, mut aside) = (Vec::new(), Vec::new());
+        if let MeshChoice::Nodes(patterns) = reading.mesh {
+            patterns.all_match("nodes", &names)?;
+            let own = |node: usize, above: &Found| patterns.found(names[node]).or(*above);
+            taken = nodes.inherited(Found::default(), own).into_iter().map(|found| patterns.take(found)).collect();
+            if patterns.is_all() {
+                aside = nodes.aside();
+            }
+        }
+        let nothing = Hints { found: [Found::default(); 3], extras: Mark::Dents };
+        Ok(Self {
+            patterns,
+            nodes: nodes.inherited(nothing, inherited),
+            materials: of_materials.collect(),
+            meshes: marks("meshes")?,
+            taken,
+            aside,
+        })
+    }
+
+    /// Whether the reading takes a node for its body.
+    pub(super) fn takes(&self, node: usize) -> bool {
+        self.would_take(node) && !self.is_aside(node)
+    }
+
+    /// Whether it does not, because the node is not shown beside the others.
+    pub(super) fn leaves_aside(&self, node: usize) -> bool {
+        self.would_take(node) && self.is_aside(node)
+    }
+
+    fn would_take(&self, node: usize) -> bool {
+        self.taken.get(node).copied().unwrap_or(false) && self.decide(Some(node), None, None) != Mark::Moving
+    }
+
+    fn is_aside(&self, node: usize) -> bool {
+        self.aside.get(node).copied().unwrap_or(false)
+    }
+
+    /// The mark of a primitive.
+    pub(super) fn of_primitive(&self, node: Option<usize>, mesh: usize, material: Option<usize>) -> Mark {
+        match self.decide(node, Some(mesh), material) {
+            // A primitive cannot be left out of its mesh.
+            Mark::Moving => Mark::Rigid,
+            mark => mark,
+        }
+    }
+
+    fn decide(&self, node: Option<usize>, mesh: Option<usize>, material: Option<usize>) -> Mark {
+        let node = node.and_then(|node| self.nodes.get(node));
+        let material = material.and_then(|material| self.materials.get(material));
+        let found = |hints: Option<&Hints>| hints.map(|hints| hints.found).unwrap_or_default();
+        let found = found(node).into_iter().zip(found(material)).map(|(node, material)| node.or(material));
+        if let Some((_, mark)) = self.patterns.iter().zip(found).zip(BY_PATTERNS).find(|((list, f), _)| list.mark(*f)) {
+            return mark;
+        }
+        let mesh = mesh.and_then(|mesh| self.meshes.get(mesh)).copied();
+        let extras = [node.map(|hints| hints.extras), mesh, material.map(|hints| hints.extras)];
+        extras.into_iter().flatten().find(|mark| *mark != Mark::Dents).unwrap_or(Mark::Dents)
     }
 }

@@ -23,13 +23,19 @@ pub(crate) fn decoded(bytes: &[u8]) -> Cow<'_, str> {
 
 /// Some of many names for a message.
 pub(crate) fn listed<T: AsRef<str>>(names: impl ExactSizeIterator<Item = T>) -> String {
+    some("none", names.map(|name| format!("'{}'", cut(name.as_ref()))))
+}
+
+/// Some of many things for a message, which says `none` if there are none.
+pub(crate) fn some(none: &str, things: impl ExactSizeIterator<Item = String>) -> String {
     const SHOWN: usize = 4;
-    let more = names.len().saturating_sub(SHOWN);
-    let mut text = names.take(SHOWN).map(|name| format!("'{}'", cut(name.as_ref()))).collect::<Vec<_>>().join(", ");
-    if more > 0 {
-        text.push_str(&format!(" and {more} more"));
+    let more = things.len().saturating_sub(SHOWN);
+    let text = things.take(SHOWN).collect::<Vec<_>>().join(", ");
+    match more {
+        _ if text.is_empty() => none.into(),
+        0 => text,
+        _ => format!("{text} and {more} more"),
     }
-    if text.is_empty() { "none".into() } else { text }
 }
 
 /// A name for a message, at most 40 characters of it.
