@@ -1,13 +1,12 @@
 //! Reads `mesh.extras` of the targets: names, impacts with their blows, and which targets are dents.
 
 use super::document::out_of_range;
-use super::words::{brief, listed};
+use super::words::{brief, listed, unfit};
 use super::{finite, malformed, whole};
 use crate::base::error::Error;
 use crate::example::blow::{Blow, Striker, StrikerShape};
 use crate::example::data::{Contact, ExampleData};
 use serde_json::{Map, Value};
-use std::borrow::Cow;
 use std::collections::HashMap;
 
 /// Describes examples by the `extras` of their glTF mesh, for engines that import glTF themselves and keep the extras.
@@ -76,12 +75,12 @@ pub(super) fn names(
             None => &[],
         },
         Value::Array(list) => list.as_slice(),
-        other => return Err(malformed(format!("extras.targetNames is {}; it must be a list of texts", brief(other)))),
+        other => return Err(unfit("extras.targetNames", other, "a list of texts")),
     };
     let name = |i| match list.get(i) {
         Some(Value::String(name)) => Ok(name.clone()),
         None | Some(Value::Null) => Ok(format!("target {i}")),
-        Some(other) => Err(malformed(format!("extras.targetNames[{i}] is {}; it must be a text", brief(other)))),
+        Some(other) => Err(unfit(&format!("extras.targetNames[{i}]"), other, "a text")),
     };
     (0..targets).map(name).collect()
 }
@@ -92,11 +91,11 @@ pub(super) fn dents(mesh: &Value) -> Result<Option<Vec<String>>, Error> {
         Value::Null => return Ok(None),
         Value::String(text) => return Ok(Some(text.split(',').map(|word| word.trim().to_owned()).collect())),
         Value::Array(list) => list,
-        other => return Err(malformed(format!("extras.dents is {}; it must be a list of names", brief(other)))),
+        other => return Err(unfit("extras.dents", other, "a list of names")),
     };
     let word = |(i, word): (usize, &Value)| match word {
         Value::String(text) => Ok(text.clone()),
-        other => Err(malformed(format!("extras.dents[{i}] is {}; it must be a name", brief(other)))),
+        other => Err(unfit(&format!("extras.dents[{i}]"), other, "a name")),
     };
     list.iter().enumerate().map(word).collect::<Result<Vec<_>, _>>().map(Some)
 }
@@ -104,13 +103,23 @@ pub(super) fn dents(mesh: &Value) -> Result<Option<Vec<String>>, Error> {
 /// The impact of each target, from `extras.impacts`.
 pub(super) fn impacts(mesh: &Value, names: &[String], vertices: usize) -> Result<Vec<Impact>, Error> {
     let mut out = vec![Impact::default(); names.len()];
-    let list = match parsed(&mesh["extras"]["impacts"], "impacts")?.into_owned() {
+    // Blender's interface cannot make lists of objects, so JSON in a text is accepted too.
+    let parsed: Value;
+    let list = match &mesh["extras"]["impacts"] {
+        Value::String(text) => {
+            let not_json = |e| malformed(format!("extras.impacts is a text that is not JSON: {e}"));
+            parsed = serde_json::from_str(text).map_err(not_json)?;
+            &parsed
+        }
+        other => other,
+    };
+    let list = match list {
         Value::Null => return Ok(out),
         Value::Array(list) => list,
-        other => return Err(malformed(format!("extras.impacts is {}; it must be a list of objects", brief(&other)))),
+        other => return Err(unfit("extras.impacts", other, "a list of objects")),
     };
-    let list: Vec<&Map<String, Value>> =
-        list.iter().enumerate().map(|(i, v)| object(v, i)).collect::<Result<_, _>>()?;
+    let entry = |(i, value)| object(value, &format!("extras.impacts[{i}]"));
+    let list: Vec<&Map<String, Value>> = list.iter().enumerate().map(entry).collect::<Result<_, _>>()?;
     let targets = by_name(&list, names)?;
     if targets.is_none() && list.len() > names.len() {
         return Err(malformed(format!(
@@ -164,8 +173,7 @@ fn impact(entry: &Map<String, Value>, i: usize, vertices: usize) -> Result<Impac
 }
 
 fn striker(value: &Value, name: &str) -> Result<Striker, Error> {
-    let entry =
-        value.as_object().ok_or_else(|| malformed(format!("{name} is {}; it must be an object", brief(value))))?;
+    let entry = object(value, name)?;
     Ok(Striker {
         mass: given(entry, "mass", name, positive)?,
         velocity: given(entry, "velocity", name, vector)?,
@@ -187,21 +195,21 @@ fn given<T>(
     }
 }
 
-fn object(value: &Value, i: usize) -> Result<&Map<String, Value>, Error> {
-    value.as_object().ok_or_else(|| malformed(format!("extras.impacts[{i}] is {}; it must be an object", brief(value))))
+fn object<'v>(value: &'v Value, name: &str) -> Result<&'v Map<String, Value>, Error> {
+    value.as_object().ok_or_else(|| unfit(name, value, "an object"))
 }
 
 fn vector(value: &Value, name: &str) -> Result<[f32; 3], Error> {
     let numbers: Option<Vec<f64>> = value.as_array().and_then(|a| a.iter().map(Value::as_f64).collect());
     match numbers.as_deref() {
         Some([x, y, z]) => finite([*x as f32, *y as f32, *z as f32], || name.to_owned()),
-        _ => Err(malformed(format!("{name} is {}; it must be three numbers", brief(value)))),
+        _ => Err(unfit(name, value, "three numbers")),
     }
 }
 
 fn positive(value: &Value, name: &str) -> Result<f32, Error> {
     let number = value.as_f64().map(|x| x as f32).filter(|x| *x > 0.0 && x.is_finite());
-    number.ok_or_else(|| malformed(format!("{name} is {}; it must be a number above 0", brief(value))))
+    number.ok_or_else(|| unfit(name, value, "a number above 0"))
 }
 
 fn vertex(value: &Value, name: &str, vertices: usize) -> Result<u32, Error> {
@@ -209,7 +217,7 @@ fn vertex(value: &Value, name: &str, vertices: usize) -> Result<u32, Error> {
     match whole(value) {
         Some(v) if v < vertices as u64 => Ok(v as u32),
         Some(v) => Err(out_of_range(name, usize::try_from(v).unwrap_or(usize::MAX), vertices)),
-        None => Err(malformed(format!("{name} is {}; it must be a vertex index", brief(value)))),
+        None => Err(unfit(name, value, "a vertex index")),
     }
 }
 
@@ -219,14 +227,4 @@ fn unit(n: [f32; 3], i: usize) -> Result<[f32; 3], Error> {
         return Err(malformed(format!("extras.impacts[{i}].normal is {n:?}; it must have a length")));
     }
     Ok(n.map(|x| (f64::from(x) / length) as f32))
-}
-
-/// Blender's interface cannot make lists of objects, so JSON in a text is accepted too.
-fn parsed<'v>(value: &'v Value, key: &str) -> Result<Cow<'v, Value>, Error> {
-    match value {
-        Value::String(text) => serde_json::from_str(text)
-            .map(Cow::Owned)
-            .map_err(|e| malformed(format!("extras.{key} is a text that is not JSON: {e}"))),
-        other => Ok(Cow::Borrowed(other)),
-    }
 }

@@ -171,18 +171,18 @@ impl Reading<'_> {
 
 /// The mark in the extras of a node, mesh or material, which `what` names. An object of that name is a note of who made the file.
 fn mark_in(element: &Value, what: impl FnOnce() -> String) -> Result<Mark, Error> {
-    match &element["extras"]["crumple"] {
-        Value::Null | Value::Object(_) => Ok(Mark::Dents),
+    let value = &element["extras"]["crumple"];
+    let shown = match value {
+        Value::Null | Value::Object(_) => return Ok(Mark::Dents),
         Value::String(text) => match text.trim().to_ascii_lowercase().as_str() {
-            "rigid" => Ok(Mark::Rigid),
-            "glass" => Ok(Mark::Glass),
-            "moving" => Ok(Mark::Moving),
-            _ => Err(malformed(format!("{}: extras.crumple is '{text}'; it must be rigid, glass or moving", what()))),
+            "rigid" => return Ok(Mark::Rigid),
+            "glass" => return Ok(Mark::Glass),
+            "moving" => return Ok(Mark::Moving),
+            _ => format!("'{text}'"),
         },
-        other => {
-            Err(malformed(format!("{}: extras.crumple is {}; it must be rigid, glass or moving", what(), brief(other))))
-        }
-    }
+        other => brief(other),
+    };
+    Err(malformed(format!("{}: extras.crumple is {shown}; it must be rigid, glass or moving", what())))
 }
 
 /// The marks that patterns give, strongest first.

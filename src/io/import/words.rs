@@ -1,5 +1,7 @@
 //! Text of any encoding, and names and values in messages, cut so that a message has at most three lines.
 
+use super::malformed;
+use crate::base::error::Error;
 use serde_json::Value;
 use std::borrow::Cow;
 
@@ -50,4 +52,9 @@ pub(crate) fn cut(name: &str) -> String {
 pub(crate) fn brief(value: &Value) -> String {
     let text = value.to_string();
     if text.chars().count() <= 60 { text } else { text.chars().take(60).chain(['…']).collect() }
+}
+
+/// The error for a value of a file that is not what it must be.
+pub(crate) fn unfit(name: &str, value: &Value, right: &str) -> Error {
+    malformed(format!("{name} is {}; it must be {right}", brief(value)))
 }
