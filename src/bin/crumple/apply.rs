@@ -1,24 +1,19 @@
 //! `crumple apply`: dents a mesh with a list of impacts; writes a GLB and pictures.
 
-use crate::{
-    gpu,
-    impacts::{self, Impact},
-    output::{Output, progress},
-    picture::{Kind, Subject, millimetres},
-    source::{FAR_OFF, Input, Source, write_notes},
-    table::{Table, count, digits, percent},
-    vertices::Vertices,
-};
+use crate::gpu;
+use crate::impacts::{self, Impact};
+use crate::output::{Output, progress};
+use crate::picture::{Kind, Subject, millimetres};
+use crate::source::{FAR_OFF, Input, Source, write_notes};
+use crate::table::{Table, count, digits, percent};
+use crate::vertices::Vertices;
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use crumple::{
-    ExampleSet, HitStatus, Instance, InstanceOptions, Outcome, Rule, Space, ThreadPool, Tracker, glam::Vec3,
-};
-use std::{
-    fmt::Write,
-    path::PathBuf,
-    time::{Duration, Instant},
-};
+use crumple::glam::Vec3;
+use crumple::{ExampleSet, HitStatus, Instance, InstanceOptions, Outcome, Rule, Space, ThreadPool, Tracker};
+use std::fmt::Write;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
 
 /// Vertices that moved less than this are not reported as moved, m.
 const VISIBLE: f32 = 1e-5;

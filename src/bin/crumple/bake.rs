@@ -1,12 +1,10 @@
 //! `crumple bake`: builds a mesh's example set, writes it as a .crumple file and reports its size and accuracy.
 
-use crate::{
-    info,
-    output::{Output, progress},
-    source::{Input, write_notes},
-    table::{Table, count},
-    units::{angle, length, mass},
-};
+use crate::info;
+use crate::output::{Output, progress};
+use crate::source::{Input, write_notes};
+use crate::table::{Table, count};
+use crate::units::{angle, length, mass};
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use crumple::{BasisReport, ExampleSet, MeshData, SetOptions, TaskSystem, ThreadPool, VertexMass, import};

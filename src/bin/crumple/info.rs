@@ -1,18 +1,14 @@
 //! `crumple info`: reports a file's mesh and examples, how well the examples predict each other, and where they do not
 //! reach.
 
-use crate::{
-    picture::millimetres,
-    source::{Input, Source, write_notes},
-    table::{Table, count, digits, percent, plain, point},
-};
+use crate::picture::millimetres;
+use crate::source::{Input, Source, write_notes};
+use crate::table::{Table, count, digits, percent, plain, point};
 use anyhow::Result;
 use clap::Args;
-use crumple::{
-    Aabb, ExampleSet, Mesh, Mirror, ThreadPool,
-    glam::Vec3,
-    import::{Part, PartKind},
-};
+use crumple::glam::Vec3;
+use crumple::import::{Part, PartKind};
+use crumple::{Aabb, ExampleSet, Mesh, Mirror, ThreadPool};
 use std::fmt::Write;
 
 #[derive(Args)]

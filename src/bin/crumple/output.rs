@@ -2,12 +2,10 @@
 
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
-use std::{
-    fs::{self, File},
-    io::Write,
-    path::{Path, PathBuf},
-    time::Duration,
-};
+use std::fs::{self, File};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// A file that is written under a temporary name. Creating it before the long work starts shows whether the destination
 /// can be written. The destination does not change unless [`Output::commit`] succeeds.

@@ -1,12 +1,10 @@
 //! `crumple sample`: writes a list of impacts to start from.
 
-use crate::{
-    impacts,
-    output::Output,
-    picture::millimetres,
-    source::{FAR_OFF, Input, Source},
-    table::count,
-};
+use crate::impacts;
+use crate::output::Output;
+use crate::picture::millimetres;
+use crate::source::{FAR_OFF, Input, Source};
+use crate::table::count;
 use anyhow::{Result, bail};
 use clap::Args;
 use crumple::{ExampleSet, Hit, HitStatus, Instance, InstanceOptions, Mesh, ThreadPool, glam::Vec3};

@@ -1,24 +1,18 @@
 //! Reads a mesh and its examples from a file.
 
-use crate::{
-    picture::{self, Coat},
-    table::plain,
-    units,
-    vertices::Vertices,
-};
+use crate::picture::{self, Coat};
+use crate::table::plain;
+use crate::units;
+use crate::vertices::Vertices;
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
-use crumple::{
-    BasisOptions, ExampleSet, Instance, MeshData, SetOptions, TaskSystem,
-    export::{self, Exported},
-    glam::{Mat3, Mat4, Vec3},
-    import::{self, Imported, MeshChoice, PartKind, Patterns, Reading},
-};
-use std::{
-    io::Read,
-    path::{Path, PathBuf},
-    sync::Arc,
-};
+use crumple::export::{self, Exported};
+use crumple::glam::{Mat3, Mat4, Vec3};
+use crumple::import::{self, Imported, MeshChoice, PartKind, Patterns, Reading};
+use crumple::{BasisOptions, ExampleSet, Instance, MeshData, SetOptions, TaskSystem};
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// A contact further than this from the nearest vertex causes a warning; a share of the body's diagonal.
 pub const FAR_OFF: f32 = 0.1;

@@ -1,14 +1,12 @@
 //! The colours of the heat map, their legend, captions and markers.
 
 use super::{image::Image, shade::Light};
-use embedded_graphics::{
-    Drawable, Pixel,
-    draw_target::DrawTarget,
-    geometry::{OriginDimensions, Point, Size},
-    mono_font::{MonoFont, MonoTextStyle, iso_8859_1},
-    pixelcolor::{Rgb888, RgbColor},
-    text::{Alignment, Text},
-};
+use embedded_graphics::draw_target::DrawTarget;
+use embedded_graphics::geometry::{OriginDimensions, Point, Size};
+use embedded_graphics::mono_font::{MonoFont, MonoTextStyle, iso_8859_1};
+use embedded_graphics::pixelcolor::{Rgb888, RgbColor};
+use embedded_graphics::text::{Alignment, Text};
+use embedded_graphics::{Drawable, Pixel};
 use glam::Vec2;
 
 const INK: Rgb888 = Rgb888::new(40, 44, 52);

@@ -1,11 +1,9 @@
 //! Rasterises triangles with `euc`: the surface seen through each pixel, and depth maps for shadows.
 
 use super::camera::Camera;
-use euc::{
-    DepthStrategy, Interpolate, Pipeline,
-    buffer::Buffer2d,
-    rasterizer::{BackfaceCullingDisabled, Triangles},
-};
+use euc::buffer::Buffer2d;
+use euc::rasterizer::{BackfaceCullingDisabled, Triangles};
+use euc::{DepthStrategy, Interpolate, Pipeline};
 use glam::{Vec2, Vec3};
 
 /// A triangle mesh to draw, with one scalar per vertex.

@@ -1,9 +1,7 @@
 //! Shading as in a photographer's studio: satin metal under strip lights, on a bright seamless floor.
 
-use super::{
-    camera::{Camera, View},
-    raster::{Body, ShadowMap, Surface, Taps, disc},
-};
+use super::camera::{Camera, View};
+use super::raster::{Body, ShadowMap, Surface, Taps, disc};
 use glam::{Vec2, Vec3};
 
 /// Linear light; 1 is paper white.

@@ -1,12 +1,10 @@
 //! Tests of the pictures.
 
-use super::{
-    Coat, Kind, MARGINS, Scale, Subject, View,
-    camera::Camera,
-    legend::millimetres,
-    raster::{self, Body},
-    shade::decode,
-};
+use super::camera::Camera;
+use super::legend::millimetres;
+use super::raster::{self, Body};
+use super::shade::decode;
+use super::{Coat, Kind, MARGINS, Scale, Subject, View};
 use glam::Vec3;
 
 const SIZE: [usize; 2] = [1280, 800];
