@@ -10,7 +10,7 @@ use crate::vertices::Vertices;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use crumple::glam::Vec3;
-use crumple::{ExampleSet, HitStatus, Instance, InstanceOptions, Outcome, Rule, Space, ThreadPool, Tracker};
+use crumple::{HitStatus, Instance, InstanceOptions, Outcome, Rule, Space, ThreadPool, Tracker};
 use std::fmt::Write;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -124,7 +124,12 @@ pub fn run(arguments: &Arguments) -> Result<String> {
         file.commit()?;
     }
     bar.finish_and_clear();
-    let mut text = report(arguments, &source, &mut instance, &impacts, &outcomes, &deformed)?;
+    let left = match instance.marks() {
+        Ok(marks) => count(marks.len(), "mark", "marks"),
+        Err(_) => "per-vertex state".to_owned(),
+    };
+    let done = Done { source: &source, impacts: &impacts, outcomes: &outcomes, limit: instance.depth_limit() };
+    let mut text = done.report(arguments, &left, &deformed)?;
     write_notes(&mut text, "  Warning: ", &[&source.about.notes[..], &exported.notes].concat());
     Ok(text)
 }
@@ -207,167 +212,149 @@ fn draw(kind: Kind, size: [usize; 2], source: &Source, deformed: &Deformed, outc
     Ok(subject.draw(kind).to_png(&description)?)
 }
 
-fn report(
-    arguments: &Arguments,
-    source: &Source,
-    instance: &mut Instance,
-    impacts: &[Impact],
-    outcomes: &[Outcome],
-    deformed: &Deformed,
-) -> Result<String> {
-    let mut text = String::new();
-    let mut table = Table::new(&[
-        ">#",
-        "impact",
-        ">vertex",
-        ">off mm",
-        ">target mm",
-        ">achieved mm",
-        ">short mm",
-        "expected error",
-    ]);
-    let set = &source.set;
-    // Lengths are the scene's.
-    let scale = source.scale();
-    for (i, (impact, outcome)) in impacts.iter().zip(outcomes).enumerate() {
-        let length = |v: [f32; 3]| millimetres(Vec3::from(v).length() * scale);
-        table.row(vec![
-            i.to_string(),
-            impact.name.clone().unwrap_or_default(),
-            outcome.contact_vertex.to_string(),
-            millimetres(outcome.contact_distance * scale),
-            length(outcome.target),
-            length(outcome.achieved),
-            length(outcome.shortfall()),
-            left(set, instance.depth_limit(), outcome),
-        ]);
-    }
-    if !impacts.is_empty() {
-        table.write(&mut text);
-    }
-    let displacements =
-        deformed.vertices.positions.iter().zip(set.mesh().positions()).map(|(a, b)| (Vec3::from(*a) - *b).length());
-    let (mut moved, mut deepest) = (0, (0, 0.0));
-    for (v, d) in displacements.enumerate() {
-        moved += usize::from(d * scale > VISIBLE);
-        if d > deepest.1 {
-            deepest = (v, d);
-        }
-    }
-    let marked = outcomes.iter().filter(|o| o.status == HitStatus::Marked).count();
-    let left = match instance.marks() {
-        Ok(marks) => count(marks.len(), "mark", "marks"),
-        Err(_) => "per-vertex state".to_owned(),
-    };
-    if impacts.is_empty() {
-        writeln!(text, "  The list of impacts is empty: the mesh is written without a dent.")?;
-    } else {
-        let all = count(impacts.len(), "impact", "impacts");
-        writeln!(text, "\n  {marked} of {all} left a dent; the damage is {left}.")?;
-    }
-    if moved > 0 {
-        writeln!(
-            text,
-            "  {moved} of {} vertices moved by more than {} mm ({}), vertex {} furthest: {} mm.",
-            set.vertex_count(),
-            VISIBLE * 1e3,
-            percent(moved as f64, set.vertex_count() as f64),
-            deepest.0,
-            millimetres(deepest.1 * scale)
-        )?;
-    }
-    let scaled = scale != 1.0 && impacts.iter().any(|impact| impact.hit.space == Space::Local);
-    if moved == 0 && (marked > 0 || scaled) {
-        let why = if scaled {
-            "; the node scales the mesh, and impacts are in its own space and unit: give them \"space\": \"world\" for the scene's"
-        } else {
-            "; check the impacts' unit (m)"
-        };
-        writeln!(text, "  Warning: no vertex moved by more than {} mm{why}.", VISIBLE * 1e3)?;
-    }
-    if scale != 1.0 {
-        writeln!(text, "  Lengths are the scene's: the node scales the mesh by {}.", digits(scale))?;
-    }
-    warnings(&mut text, source, instance.depth_limit(), impacts, outcomes)?;
-    writeln!(
-        text,
-        "  Deformed {} vertices in {:.2} ms on {}.",
-        set.vertex_count(),
-        deformed.time.as_secs_f64() * 1e3,
-        deformed.by
-    )?;
-    writeln!(text, "  Wrote {}", arguments.output.display())?;
-    if let Some(folder) = &arguments.png {
-        let names = Kind::ALL.map(Kind::file_name).join(", ");
-        writeln!(text, "  Wrote {names} in {}", folder.display())?;
-    }
-    Ok(text)
-}
-
-/// Whether a hit asked for more than the depth limit, of the instance or of its vertex, by more than a rounding.
-fn is_cut(set: &ExampleSet, limit: f32, outcome: &Outcome) -> bool {
-    let asked = Vec3::from(outcome.target).as_dvec3().length();
-    outcome.clamped && (set.report().limited_vertices > 0 || asked > f64::from(limit) * (1.0 + 1e-5))
-}
-
-/// Warnings of impacts whose numbers are probably in the wrong unit or space.
-fn warnings(
-    text: &mut String,
-    source: &Source,
+/// What was asked for, and what came of it. Lengths are reported as the scene's.
+struct Done<'a> {
+    source: &'a Source,
+    impacts: &'a [Impact],
+    outcomes: &'a [Outcome],
+    /// The instance's depth limit, m.
     limit: f32,
-    impacts: &[Impact],
-    outcomes: &[Outcome],
-) -> std::fmt::Result {
-    let (set, scale) = (&source.set, source.scale());
-    let name = |i: usize| match &impacts[i].name {
-        Some(name) => format!("impact {i} '{name}'"),
-        None => format!("impact {i}"),
-    };
-    let worst = |values: Vec<(usize, f32)>| values.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
-    let all = || outcomes.iter().enumerate();
-    let asked = |o: &Outcome| Vec3::from(o.target).as_dvec3().length() as f32;
-    let clamped: Vec<_> = all().filter(|(_, o)| is_cut(set, limit, o)).map(|(i, o)| (i, asked(o))).collect();
-    let cut = clamped.len();
-    if let Some((i, most)) = worst(clamped) {
-        let own = if set.report().limited_vertices > 0 { ", or that of its vertex," } else { "" };
-        writeln!(
-            text,
-            "  Warning: {} asked for more than the depth limit of {} mm{own} and got the limit; {} asked for {} mm.",
-            count(cut, "impact", "impacts"),
-            millimetres(limit * scale),
-            name(i),
-            millimetres(most * scale)
-        )?;
-    }
-    let far = FAR_OFF * set.mesh().bounds().diagonal();
-    let off: Vec<_> = all().filter(|(_, o)| o.contact_distance > far).map(|(i, o)| (i, o.contact_distance)).collect();
-    let missed = off.len();
-    if let Some((i, most)) = worst(off) {
-        writeln!(
-            text,
-            "  Warning: {} more than {} mm from the nearest vertex; {} is {} mm off. Check the points' space and unit (m).",
-            if missed == 1 { "1 impact lies".to_owned() } else { format!("{missed} impacts lie") },
-            millimetres(far * scale),
-            name(i),
-            millimetres(most * scale)
-        )?;
-    }
-    Ok(())
 }
 
-/// The expected error of a hit's dent, the example of a classic rule, or the reason why it leaves nothing.
-fn left(set: &ExampleSet, limit: f32, outcome: &Outcome) -> String {
-    let what = match outcome.status {
-        HitStatus::BelowYield => return "below yield: no mark".into(),
-        HitStatus::Rigid => return "the part is rigid: no mark".into(),
-        HitStatus::NothingReaches => return "no example moves the contact".into(),
-        _ => match outcome.classic {
-            Some(chosen) => {
-                let name = set.examples().get(chosen.example as usize).map_or("?", |e| e.name());
-                format!("{name} x{:.2}", chosen.weight)
+impl Done<'_> {
+    fn mm(&self, length: f32) -> String {
+        millimetres(length * self.source.scale())
+    }
+
+    /// `left` is the damage.
+    fn report(&self, arguments: &Arguments, left: &str, deformed: &Deformed) -> Result<String> {
+        let Done { source, impacts, outcomes, .. } = *self;
+        let mut text = String::new();
+        let heads = [">#", "impact", ">vertex", ">off mm", ">target mm", ">achieved mm", ">short mm", "expected error"];
+        let mut table = Table::new(&heads);
+        for (i, (impact, outcome)) in impacts.iter().zip(outcomes).enumerate() {
+            let length = |v: [f32; 3]| self.mm(Vec3::from(v).length());
+            table.row(vec![
+                i.to_string(),
+                impact.name.clone().unwrap_or_default(),
+                outcome.contact_vertex.to_string(),
+                self.mm(outcome.contact_distance),
+                length(outcome.target),
+                length(outcome.achieved),
+                length(outcome.shortfall()),
+                self.left(outcome),
+            ]);
+        }
+        if !impacts.is_empty() {
+            table.write(&mut text);
+        }
+        let (set, scale) = (&source.set, source.scale());
+        let (mut moved, mut deepest) = (0, (0, 0.0));
+        for (v, (after, before)) in deformed.vertices.positions.iter().zip(set.mesh().positions()).enumerate() {
+            let d = (Vec3::from(*after) - *before).length();
+            moved += usize::from(d * scale > VISIBLE);
+            if d > deepest.1 {
+                deepest = (v, d);
             }
-            None => outcome.expected_error.map(|error| format!("{error:.2}")).unwrap_or_default(),
-        },
-    };
-    if is_cut(set, limit, outcome) { format!("{what}; cut to the depth limit") } else { what }
+        }
+        let marked = outcomes.iter().filter(|o| o.status == HitStatus::Marked).count();
+        if impacts.is_empty() {
+            writeln!(text, "  The list of impacts is empty: the mesh is written without a dent.")?;
+        } else {
+            let all = count(impacts.len(), "impact", "impacts");
+            writeln!(text, "\n  {marked} of {all} left a dent; the damage is {left}.")?;
+        }
+        if moved > 0 {
+            writeln!(
+                text,
+                "  {moved} of {} vertices moved by more than {} mm ({}), vertex {} furthest: {} mm.",
+                set.vertex_count(),
+                VISIBLE * 1e3,
+                percent(moved as f64, set.vertex_count() as f64),
+                deepest.0,
+                self.mm(deepest.1)
+            )?;
+        }
+        let scaled = scale != 1.0 && impacts.iter().any(|impact| impact.hit.space == Space::Local);
+        if moved == 0 && (marked > 0 || scaled) {
+            let why = if scaled {
+                "; the node scales the mesh, and impacts are in its own space and unit: give them \"space\": \"world\" for the scene's"
+            } else {
+                "; check the impacts' unit (m)"
+            };
+            writeln!(text, "  Warning: no vertex moved by more than {} mm{why}.", VISIBLE * 1e3)?;
+        }
+        if scale != 1.0 {
+            writeln!(text, "  Lengths are the scene's: the node scales the mesh by {}.", digits(scale))?;
+        }
+        self.warn(&mut text)?;
+        let (vertices, time) = (set.vertex_count(), deformed.time.as_secs_f64() * 1e3);
+        writeln!(text, "  Deformed {vertices} vertices in {time:.2} ms on {}.", deformed.by)?;
+        writeln!(text, "  Wrote {}", arguments.output.display())?;
+        if let Some(folder) = &arguments.png {
+            let names = Kind::ALL.map(Kind::file_name).join(", ");
+            writeln!(text, "  Wrote {names} in {}", folder.display())?;
+        }
+        Ok(text)
+    }
+
+    /// Whether a hit asked for more than the depth limit, of the instance or of its vertex, by more than a rounding.
+    fn is_cut(&self, outcome: &Outcome) -> bool {
+        let limited = self.source.set.report().limited_vertices > 0;
+        outcome.clamped && (limited || asked(outcome) > f64::from(self.limit) * (1.0 + 1e-5))
+    }
+
+    /// Warns of impacts whose numbers are probably in the wrong unit or space.
+    fn warn(&self, text: &mut String) -> std::fmt::Result {
+        let set = &self.source.set;
+        let name = |i: usize| match &self.impacts[i].name {
+            Some(name) => format!("impact {i} '{name}'"),
+            None => format!("impact {i}"),
+        };
+        // How many impacts have a length, and the one with the greatest.
+        let worst = |length: &dyn Fn(&Outcome) -> Option<f32>| {
+            let all: Vec<(usize, f32)> =
+                self.outcomes.iter().enumerate().filter_map(|(i, o)| Some((i, length(o)?))).collect();
+            all.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, most)| (all.len(), name(i), self.mm(most)))
+        };
+        if let Some((cut, name, most)) = worst(&|o| self.is_cut(o).then_some(asked(o) as f32)) {
+            let own = if set.report().limited_vertices > 0 { ", or that of its vertex," } else { "" };
+            let (cut, limit) = (count(cut, "impact", "impacts"), self.mm(self.limit));
+            writeln!(
+                text,
+                "  Warning: {cut} asked for more than the depth limit of {limit} mm{own} and got the limit; {name} asked for {most} mm."
+            )?;
+        }
+        let far = FAR_OFF * set.mesh().bounds().diagonal();
+        if let Some((missed, name, most)) = worst(&|o| Some(o.contact_distance).filter(|off| *off > far)) {
+            let (missed, far) = (count(missed, "impact lies", "impacts lie"), self.mm(far));
+            writeln!(
+                text,
+                "  Warning: {missed} more than {far} mm from the nearest vertex; {name} is {most} mm off. Check the points' space and unit (m)."
+            )?;
+        }
+        Ok(())
+    }
+
+    /// The expected error of a hit's dent, the example of a classic rule, or the reason why it leaves nothing.
+    fn left(&self, outcome: &Outcome) -> String {
+        let what = match outcome.status {
+            HitStatus::BelowYield => return "below yield: no mark".into(),
+            HitStatus::Rigid => return "the part is rigid: no mark".into(),
+            HitStatus::NothingReaches => return "no example moves the contact".into(),
+            _ => match outcome.classic {
+                Some(chosen) => {
+                    let name = self.source.set.examples().get(chosen.example as usize).map_or("?", |e| e.name());
+                    format!("{name} x{:.2}", chosen.weight)
+                }
+                None => outcome.expected_error.map(|error| format!("{error:.2}")).unwrap_or_default(),
+            },
+        };
+        if self.is_cut(outcome) { format!("{what}; cut to the depth limit") } else { what }
+    }
+}
+
+/// The length of the displacement that a hit asked for, m.
+fn asked(outcome: &Outcome) -> f64 {
+    Vec3::from(outcome.target).as_dvec3().length()
 }

@@ -58,53 +58,28 @@ pub fn angle(text: &str) -> Result<f32, String> {
 mod tests {
     use super::*;
 
+    #[track_caller]
+    fn check(parse: fn(&str) -> Result<f32, String>, good: &[(&str, f32)], bad: &[&str]) {
+        for (text, value) in good {
+            assert_eq!(parse(text), Ok(*value), "{text}");
+        }
+        for text in bad {
+            assert!(parse(text).is_err(), "{text}");
+        }
+    }
+
     #[test]
-    fn lengths_have_units() {
-        for (text, metres) in [
-            ("0.1mm", 1e-4),
-            ("100 um", 1e-4),
-            ("100µm", 1e-4),
-            ("1e-4", 1e-4),
-            ("1e-4m", 1e-4),
-            ("0.01cm", 1e-4),
-            ("1in", 0.0254),
-            (" 2m ", 2.0),
-        ] {
-            assert_eq!(length(text), Ok(metres), "{text}");
-            assert_eq!(unit(text), Ok(metres), "{text}");
-        }
-        for text in ["", "mm", "0", "-1mm", "nan", "inf", "1km", "0,1mm", "1 mm mm", "1e99m", "1e"] {
-            assert!(length(text).is_err(), "{text}");
-        }
+    fn numbers_have_units() {
+        let tenths = ["0.1mm", "100 um", "100µm", "1e-4", "1e-4m", "0.01cm"].map(|text| (text, 1e-4));
+        let lengths = [&tenths[..], &[("1in", 0.0254), (" 2m ", 2.0)]].concat();
+        check(length, &lengths, &["", "mm", "0", "-1mm", "nan", "inf", "1km", "0,1mm", "1 mm mm", "1e99m", "1e"]);
         assert!(length("3yd").unwrap_err().contains("'yd'"));
-    }
-
-    #[test]
-    fn a_unit_may_stand_alone() {
-        assert_eq!(
-            ["cm", " mm ", "ft", "m", "0.01"].map(|text| unit(text).ok()),
-            [0.01, 0.001, 0.3048, 1.0, 0.01].map(Some)
-        );
-        assert!(["", "cubit", "0cm", "-cm"].iter().all(|text| unit(text).is_err()));
-    }
-
-    #[test]
-    fn masses_have_units() {
-        for (text, kilograms) in [("0.5", 0.5), ("500g", 0.5), ("0.5 kg", 0.5), ("2lb", 0.907_184_7)] {
-            assert_eq!(mass(text), Ok(kilograms), "{text}");
-        }
-        for text in ["", "kg", "0", "-1kg", "nan", "inf", "1mm", "1e99kg"] {
-            assert!(mass(text).is_err(), "{text}");
-        }
-    }
-
-    #[test]
-    fn angles_have_units() {
-        assert_eq!(angle("1"), Ok(1.0));
-        assert_eq!(angle("2deg"), Ok(2.0));
-        assert_eq!(angle("0.5rad"), Ok(0.5f64.to_degrees() as f32));
-        for text in ["0", "46", "1rad", "1mm", "", "nan"] {
-            assert!(angle(text).is_err(), "{text}");
-        }
+        // A unit may stand alone.
+        let units = [("cm", 0.01), (" mm ", 0.001), ("ft", 0.3048), ("m", 1.0), ("0.01", 0.01)];
+        check(unit, &[&lengths[..], &units].concat(), &["", "cubit", "0cm", "-cm"]);
+        let masses = [("0.5", 0.5), ("500g", 0.5), ("0.5 kg", 0.5), ("2lb", 0.907_184_7)];
+        check(mass, &masses, &["", "kg", "0", "-1kg", "nan", "inf", "1mm", "1e99kg"]);
+        let angles = [("1", 1.0), ("2deg", 2.0), ("0.5rad", 0.5f64.to_degrees() as f32)];
+        check(angle, &angles, &["0", "46", "1rad", "1mm", "", "nan"]);
     }
 }

@@ -91,38 +91,35 @@ impl Subject<'_> {
             let points = self.before.iter().chain(self.after);
             Camera::framing(points, view, size[0] as f32 / size[1] as f32, MARGINS)
         };
-        match kind {
-            Kind::Base => {
-                let mut image = photograph(before, &camera(size), view, size, &finish);
-                legend::caption(&mut image, margin, "before", "as it came");
-                image
-            }
-            Kind::After => {
-                let mut image = photograph(after, &camera(size), view, size, &finish);
-                legend::caption(&mut image, margin, "after", &dented);
-                image
-            }
+        let photo = |body, size, finish: &Finish<'_>| photograph(body, &camera(size), view, size, finish);
+        let half = [size[0] / 2, size[1]];
+        let mut image = match kind {
+            Kind::Base => photo(before, size, &finish),
+            Kind::After => photo(after, size, &finish),
+            Kind::BeforeAfter => photo(before, half, &finish).beside(&photo(after, half, &finish)),
             Kind::Heat => {
-                let camera = camera(size);
                 let colour = |t: f32| scale.light(t);
                 let after = self.body(self.after, self.after_normals, &values);
-                let finish = Finish::Heat { colour: &colour, maximum: scale.maximum.max(f32::MIN_POSITIVE) };
-                let mut image = photograph(after, &camera, view, size, &finish);
-                self.mark_contacts(&mut image, &camera, after);
-                legend::caption(&mut image, margin, "displacement", &dented);
-                legend::bar(&mut image, scale);
+                let maximum = scale.maximum.max(f32::MIN_POSITIVE);
+                let mut image = photo(after, size, &Finish::Heat { colour: &colour, maximum });
+                self.mark_contacts(&mut image, &camera(size), after);
                 image
+            }
+        };
+        let mut caption = |x: usize, title: &str, detail: &str| legend::caption(&mut image, x as i32, title, detail);
+        match kind {
+            Kind::Base => caption(margin, "before", "as it came"),
+            Kind::After => caption(margin, "after", &dented),
+            Kind::Heat => {
+                caption(margin, "displacement", &dented);
+                legend::bar(&mut image, scale);
             }
             Kind::BeforeAfter => {
-                let half = [size[0] / 2, size[1]];
-                let camera = camera(half);
-                let mut image = photograph(before, &camera, view, half, &finish)
-                    .beside(&photograph(after, &camera, view, half, &finish));
-                legend::caption(&mut image, margin, "before", "as it came");
-                legend::caption(&mut image, margin + half[0] as i32, "after", &dented);
-                image
+                caption(margin, "before", "as it came");
+                caption(margin + half[0], "after", &dented);
             }
         }
+        image
     }
 
     fn body<'a>(&'a self, positions: &'a [Vec3], normals: &'a [Vec3], values: &'a [f32]) -> Body<'a> {

@@ -33,6 +33,21 @@ fn sphere(centre: Vec3) -> (Vec<Vec3>, Vec<Vec3>, Vec<[u32; 3]>) {
     (normals.iter().map(|n| centre + *n).collect(), normals, triangles)
 }
 
+/// A body that was not hit.
+fn at_rest<'a>(positions: &'a [Vec3], normals: &'a [Vec3], triangles: &'a [[u32; 3]]) -> Subject<'a> {
+    Subject {
+        triangles,
+        before: positions,
+        before_normals: normals,
+        after: positions,
+        after_normals: normals,
+        coats: (&[], &[]),
+        contacts: &[],
+        up: Vec3::Y,
+        size: SIZE,
+    }
+}
+
 #[test]
 fn a_sphere_covers_the_area_that_geometry_says() {
     let centre = Vec3::new(3.0, -2.0, 1.0);
@@ -65,17 +80,7 @@ fn the_deepest_vertex_has_the_last_colour_of_the_scale() {
     let hit = Vec3::new(0.3, 0.2, 0.9).normalize();
     let after: Vec<Vec3> =
         before.iter().map(|p| *p * (1.0 - 0.05 * (1.0 - p.distance(hit) / 0.5).max(0.0).powi(2))).collect();
-    let subject = Subject {
-        triangles: &triangles,
-        before: &before,
-        before_normals: &normals,
-        after: &after,
-        after_normals: &normals,
-        coats: (&[], &[]),
-        contacts: &[],
-        up: Vec3::Y,
-        size: SIZE,
-    };
+    let subject = Subject { after: &after, ..at_rest(&before, &normals, &triangles) };
     let (vertex, maximum) = subject.deepest();
     assert!(before[vertex].distance(hit) < 0.05 && maximum <= 0.05);
     let image = subject.draw(Kind::Heat);
@@ -95,17 +100,8 @@ fn the_deepest_vertex_has_the_last_colour_of_the_scale() {
 fn a_vertex_has_the_colour_of_its_coat() {
     let (before, normals, triangles) = sphere(Vec3::ZERO);
     let coats = [Coat::of(Vec3::Z, 0.0, 1.0), Coat::of(Vec3::X, 0.0, 1.0)];
-    let subject = Subject {
-        triangles: &triangles,
-        before: &before,
-        before_normals: &normals,
-        after: &before,
-        after_normals: &normals,
-        coats: (&coats, &vec![1.0; before.len()]),
-        contacts: &[],
-        up: Vec3::Y,
-        size: SIZE,
-    };
+    let coat_of = vec![1.0; before.len()];
+    let subject = Subject { coats: (&coats, &coat_of), ..at_rest(&before, &normals, &triangles) };
     let image = subject.draw(Kind::Base);
     // A rough coat reflects nothing, so it has no other colour than its own.
     let middle = (SIZE[1] / 2 * SIZE[0] + SIZE[0] / 2) * 3;
@@ -116,17 +112,7 @@ fn a_vertex_has_the_colour_of_its_coat() {
 #[test]
 fn drawing_what_has_no_size_or_no_dent_does_not_fail() {
     let one = [Vec3::ONE; 3];
-    let subject = Subject {
-        triangles: &[[0, 1, 2]],
-        before: &one,
-        before_normals: &[Vec3::Z; 3],
-        after: &one,
-        after_normals: &[Vec3::Z; 3],
-        coats: (&[], &[]),
-        contacts: &[0],
-        up: Vec3::Y,
-        size: [64, 40],
-    };
+    let subject = Subject { contacts: &[0], size: [64, 40], ..at_rest(&one, &[Vec3::Z; 3], &[[0, 1, 2]]) };
     for kind in Kind::ALL {
         assert_eq!(subject.draw(kind).rgb.len(), 64 * 40 * 3);
     }
