@@ -1,11 +1,11 @@
 //! The vertices of a piece as the file holds them: which of them changed, and new accessors for those.
 
 use super::Vertices;
+use super::rewrite::Rewrite;
 use crate::base::error::Error;
 use crate::base::math::{to_f32, unit};
-use crate::io::glb::{ARRAY_BUFFER, Glb, kind, set_bounds};
+use crate::io::glb::{ARRAY_BUFFER, kind, set_bounds};
 use crate::io::import::accessor::Accessor;
-use crate::io::import::document::Document;
 use crate::io::import::piece::{Offsets, Piece};
 use crate::io::import::primitives::Primitive;
 use crate::mesh::data::MeshData;
@@ -32,8 +32,7 @@ impl<const N: usize> Written<N> {
     /// Adds an accessor for a primitive's vertices if any of them changed. Returns the attribute's name and the accessor's number.
     fn write(
         &self,
-        doc: &Document<'_>,
-        glb: &mut Glb,
+        to: &mut Rewrite<'_>,
         primitive: &Primitive<'_>,
         semantic: Semantic,
     ) -> Result<Option<(String, usize)>, Error> {
@@ -43,9 +42,9 @@ impl<const N: usize> Written<N> {
             return Ok(None);
         }
         let of = if N == 3 { Type::Vec3 } else { Type::Vec4 };
-        let Some(old) = primitive.accessor(doc, semantic.clone(), of)? else { return Ok(None) };
+        let Some(old) = primitive.accessor(to.doc, semantic.clone(), of)? else { return Ok(None) };
         let is_position = semantic == Semantic::Positions;
-        Ok(Some((semantic.to_string(), push_changed(doc, glb, &old, (values, changed), is_position))))
+        Ok(Some((semantic.to_string(), push_changed(to, &old, (values, changed), is_position))))
     }
 }
 
@@ -135,19 +134,14 @@ impl Changes {
     }
 
     /// Adds accessors for the attributes of a primitive that changed. Returns their names and numbers.
-    pub fn write(
-        &self,
-        doc: &Document<'_>,
-        glb: &mut Glb,
-        primitive: &Primitive<'_>,
-    ) -> Result<Vec<(String, usize)>, Error> {
-        let mut list = Vec::from_iter(self.positions.write(doc, glb, primitive, Semantic::Positions)?);
+    pub fn write(&self, to: &mut Rewrite<'_>, primitive: &Primitive<'_>) -> Result<Vec<(String, usize)>, Error> {
+        let mut list = Vec::from_iter(self.positions.write(to, primitive, Semantic::Positions)?);
         if let Some(normals) = &self.normals {
-            list.extend(normals.write(doc, glb, primitive, Semantic::Normals)?);
+            list.extend(normals.write(to, primitive, Semantic::Normals)?);
         }
         let has_normals = primitive.attribute(Semantic::Normals).is_some();
         if let Some(tangents) = self.tangents.as_ref().filter(|_| has_normals) {
-            list.extend(tangents.write(doc, glb, primitive, Semantic::Tangents)?);
+            list.extend(tangents.write(to, primitive, Semantic::Tangents)?);
         }
         Ok(list)
     }
@@ -171,8 +165,7 @@ fn flagged(list: &[bool], v: usize) -> bool {
 /// Adds an accessor that holds the elements of the file's accessor `old` where nothing changed, and `values` elsewhere. Positions
 /// become floats, with bounds; other quantised vectors stay so.
 pub(super) fn push_changed<const N: usize>(
-    doc: &Document<'_>,
-    glb: &mut Glb,
+    Rewrite { doc, glb, .. }: &mut Rewrite<'_>,
     old: &Accessor<'_>,
     (values, changed): (&[[f32; N]], &[bool]),
     is_position: bool,

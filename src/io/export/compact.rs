@@ -1,5 +1,6 @@
 //! Merges all buffers into the GLB's one and drops what nothing uses any more.
 
+use super::rewrite::Rewrite;
 use crate::base::error::Error;
 use crate::io::glb::{Glb, container, list_mut, remove_within};
 use crate::io::import::document::Document;
@@ -32,7 +33,7 @@ const KNOWN: &[&str] = &[
 const ALIGNMENT: usize = 16;
 
 /// Which accessors are used, and which bufferViews an accessor or image uses.
-pub(super) struct Used {
+struct Used {
     accessors: Vec<bool>,
     views: Vec<bool>,
     /// False if a reference is out of range; then nothing is renumbered.
@@ -40,7 +41,7 @@ pub(super) struct Used {
 }
 
 impl Used {
-    pub fn of(root: &Value) -> Self {
+    fn of(root: &Value) -> Self {
         // The walk needs mutable references, since renumbering uses the same walk.
         let mut root = root.clone();
         let count = |root: &Value, key: &str| vec![false; root[key].as_array().map_or(0, Vec::len)];
@@ -55,35 +56,23 @@ impl Used {
     }
 }
 
-/// Writes the file. The bufferViews of `glb` from `old_views` on are in its binary chunk.
-pub(super) fn write(
-    doc: &Document<'_>,
-    glb: Glb,
-    old_views: usize,
-    before: Used,
-    notes: &mut Vec<String>,
-) -> Result<Vec<u8>, Error> {
-    let Glb { mut root, bin: new } = glb;
-    if before.sound && extensions_known(&root) {
+/// Writes the file. The bufferViews that are not the document's are in the binary chunk.
+pub(super) fn write(Rewrite { doc, glb: Glb { root, bin: new }, notes }: &mut Rewrite<'_>) -> Result<Vec<u8>, Error> {
+    let before = Used::of(&doc.value);
+    if before.sound && extensions_known(root) {
         let mut packed = root.clone();
         // If a view is broken, that of another mesh, nothing is moved.
-        if let Ok(bin) = pack(doc, &mut packed, &new, old_views, before) {
+        if let Ok(bin) = pack(doc, &mut packed, new, &before) {
             return container(&packed, &bin, &doc.chunks);
         }
     }
-    let bin = append(doc, &mut root, &new, old_views, notes)?;
-    container(&root, &bin, &doc.chunks)
+    let bin = append(doc, root, new, notes)?;
+    container(root, &bin, &doc.chunks)
 }
 
 /// Keeps every buffer's index and content, and appends the new data to buffer 0. No reference needs to change. A buffer that cannot
 /// be read keeps its uri.
-fn append(
-    doc: &Document<'_>,
-    root: &mut Value,
-    new: &[u8],
-    old_views: usize,
-    notes: &mut Vec<String>,
-) -> Result<Vec<u8>, Error> {
+fn append(doc: &Document<'_>, root: &mut Value, new: &[u8], notes: &mut Vec<String>) -> Result<Vec<u8>, Error> {
     let data_uri =
         |bytes: &[u8]| Value::from(format!("data:application/octet-stream;base64,{}", STANDARD.encode(bytes)));
     let count = doc.buffers.len();
@@ -102,12 +91,12 @@ fn append(
         root["buffers"].as_array_mut().into_iter().for_each(|list| {
             list.push(json!({ "byteLength": new.len(), "uri": data_uri(new) }));
         });
-        place(root, old_views, count, 0);
+        place(doc, root, count, 0);
         return Ok(Vec::new());
     };
     let mut bin = first.to_vec();
     bin.resize(bin.len().next_multiple_of(ALIGNMENT), 0);
-    place(root, old_views, 0, bin.len());
+    place(doc, root, 0, bin.len());
     bin.extend_from_slice(new);
     if count == 0 {
         root["buffers"] = json!([{}]);
@@ -118,15 +107,15 @@ fn append(
 }
 
 /// Moves the views of new data to `start` in a buffer.
-fn place(root: &mut Value, old_views: usize, buffer: usize, start: usize) {
-    for view in list_mut(root, "bufferViews").skip(old_views) {
+fn place(doc: &Document<'_>, root: &mut Value, buffer: usize, start: usize) {
+    for view in list_mut(root, "bufferViews").skip(doc.views.len()) {
         view["buffer"] = buffer.into();
         view["byteOffset"] = (start as u64 + whole(&view["byteOffset"]).unwrap_or(0)).into();
     }
 }
 
 /// Drops what the change made unused, and moves the rest into one buffer.
-fn pack(doc: &Document<'_>, root: &mut Value, new: &[u8], old_views: usize, before: Used) -> Result<Vec<u8>, Error> {
+fn pack(doc: &Document<'_>, root: &mut Value, new: &[u8], before: &Used) -> Result<Vec<u8>, Error> {
     let after = Used::of(root);
     let keeps = |before: &[bool], after: &[bool]| -> Vec<bool> {
         after.iter().enumerate().map(|(i, used)| *used || !before.get(i).copied().unwrap_or(false)).collect()
@@ -137,7 +126,7 @@ fn pack(doc: &Document<'_>, root: &mut Value, new: &[u8], old_views: usize, befo
     // Only now that the accessors are gone is it known which views are used.
     let views = keeps(&before.views, &Used::of(root).views);
     view_references(root, &mut renumber(&views));
-    let bin = gather(doc, root, new, old_views, &views)?;
+    let bin = gather(doc, root, new, &views)?;
     retain(root.get_mut("bufferViews"), &views);
     root["buffers"] = json!([{ "byteLength": bin.len() }]);
     for key in ["accessors", "bufferViews"] {
@@ -149,9 +138,9 @@ fn pack(doc: &Document<'_>, root: &mut Value, new: &[u8], old_views: usize, befo
 }
 
 /// Copies the bytes of the kept views, each byte once even where views overlap. What meshoptimizer packed is unpacked.
-fn gather(doc: &Document<'_>, root: &mut Value, new: &[u8], old_views: usize, keep: &[bool]) -> Result<Vec<u8>, Error> {
+fn gather(doc: &Document<'_>, root: &mut Value, new: &[u8], keep: &[bool]) -> Result<Vec<u8>, Error> {
     let (mut plain, mut packed) = (Vec::new(), Vec::new());
-    for i in (0..old_views).filter(|i| keep[*i]) {
+    for i in (0..doc.views.len()).filter(|i| keep[*i]) {
         let extensions = root["bufferViews"][i].get("extensions");
         if extensions.is_some_and(|e| meshopt::EXTENSIONS.iter().any(|name| e.get(name).is_some())) {
             packed.push(i);
@@ -198,7 +187,7 @@ fn gather(doc: &Document<'_>, root: &mut Value, new: &[u8], old_views: usize, ke
         }
     }
     bin.resize(bin.len().next_multiple_of(ALIGNMENT), 0);
-    place(root, old_views, 0, bin.len());
+    place(doc, root, 0, bin.len());
     bin.extend_from_slice(new);
     Ok(bin)
 }

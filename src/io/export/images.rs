@@ -1,13 +1,13 @@
 //! Embeds images of separate files. An image that cannot be embedded keeps its uri: it never stops a dent.
 
-use crate::io::glb::Glb;
+use super::rewrite::Rewrite;
 use crate::io::import::document::Document;
 use crate::io::import::uri::{self, UriTarget};
 use crate::io::import::words::cut;
 use std::path::Path;
 
 /// Turns images in separate files into bufferViews. Images in `data:` URIs are in the file already.
-pub(super) fn embed(doc: &Document<'_>, glb: &mut Glb, notes: &mut Vec<String>) {
+pub(super) fn embed(Rewrite { doc, glb, notes }: &mut Rewrite<'_>) {
     let mut kept = Vec::new();
     for i in 0..glb.root["images"].as_array().map_or(0, Vec::len) {
         let Some(uri) = glb.root["images"][i]["uri"].as_str().map(str::to_owned) else { continue };

@@ -66,8 +66,7 @@ pub fn deformed_glb<'a>(
     normals: Option<&[[f32; 3]]>,
     tangents: Option<&[[f32; 4]]>,
 ) -> Result<Exported, Error> {
-    let checked = |count| Vertices::checked(count, positions, normals, tangents);
-    rewrite::deformed(source, base_dir, &reading.into(), checked)
+    rewrite::deformed(source, base_dir, &reading.into(), Vertices { positions, normals, tangents })
 }
 
 /// Writes a new GLB with one mesh: the deformed vertices and the triangles. A mesh without triangles becomes points.
@@ -83,7 +82,7 @@ pub fn mesh_glb(
     tangents: Option<&[[f32; 4]]>,
 ) -> Result<Vec<u8>, Error> {
     let count = positions.len();
-    let vertices = Vertices::checked(count, positions, normals, tangents)?;
+    Vertices { positions, normals, tangents }.check(count)?;
     if count == 0 || count > u32::MAX as usize {
         return Err(Error::invalid("positions.len()", count, &format!("from 1 to {}", u32::MAX)));
     }
@@ -94,11 +93,11 @@ pub fn mesh_glb(
     }
     let node = if name.is_empty() { json!({ "mesh": 0 }) } else { json!({ "mesh": 0, "name": name }) };
     let mut glb = Glb::new(new_root(json!({ "nodes": [0] }), json!([node])));
-    let mut attributes = json!({ "POSITION": glb.push_attribute(vertices.positions, true) });
-    if let Some(normals) = vertices.normals {
+    let mut attributes = json!({ "POSITION": glb.push_attribute(positions, true) });
+    if let Some(normals) = normals {
         attributes["NORMAL"] = glb.push_attribute(normals, false).into();
     }
-    if let Some(tangents) = vertices.tangents {
+    if let Some(tangents) = tangents {
         attributes["TANGENT"] = glb.push_attribute(tangents, false).into();
     }
     let mut primitive = json!({ "attributes": attributes });
@@ -111,7 +110,7 @@ pub fn mesh_glb(
     glb.finish()
 }
 
-/// Deformed vertices, checked to be the right number and finite.
+/// Deformed vertices.
 #[derive(Clone, Copy)]
 struct Vertices<'a> {
     positions: &'a [[f32; 3]],
@@ -119,17 +118,12 @@ struct Vertices<'a> {
     tangents: Option<&'a [[f32; 4]]>,
 }
 
-impl<'a> Vertices<'a> {
-    fn checked(
-        count: usize,
-        positions: &'a [[f32; 3]],
-        normals: Option<&'a [[f32; 3]]>,
-        tangents: Option<&'a [[f32; 4]]>,
-    ) -> Result<Self, Error> {
-        each(count, positions, "positions")?;
-        normals.map_or(Ok(()), |n| each(count, n, "normals"))?;
-        tangents.map_or(Ok(()), |t| each(count, t, "tangents"))?;
-        Ok(Self { positions, normals, tangents })
+impl Vertices<'_> {
+    /// They must be the right number and finite.
+    fn check(&self, count: usize) -> Result<(), Error> {
+        each(count, self.positions, "positions")?;
+        self.normals.map_or(Ok(()), |n| each(count, n, "normals"))?;
+        self.tangents.map_or(Ok(()), |t| each(count, t, "tangents"))
     }
 }
 

@@ -20,29 +20,34 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::path::Path;
 
-pub(super) fn deformed<'v>(
+/// A file that is being rewritten.
+pub(super) struct Rewrite<'d> {
+    pub doc: &'d Document<'d>,
+    pub glb: Glb,
+    pub notes: Vec<String>,
+}
+
+pub(super) fn deformed(
     source: &[u8],
     base_dir: Option<&Path>,
     reading: &Reading<'_>,
-    vertices: impl FnOnce(usize) -> Result<Vertices<'v>, Error>,
+    vertices: Vertices<'_>,
 ) -> Result<Exported, Error> {
     let doc = Document::parse(source, base_dir)?;
     let Body { pieces, imported } = body::read(&doc, reading)?;
-    let vertices = vertices(imported.mesh.positions.len())?;
-    let used_before = compact::Used::of(&doc.value);
-    let (mut glb, mut notes) = (Glb::new(doc.value.clone()), Vec::new());
-    let old_views = doc.views.len();
+    vertices.check(imported.mesh.positions.len())?;
+    let mut to = Rewrite { doc: &doc, glb: Glb::new(doc.value.clone()), notes: Vec::new() };
     let change = |piece: &Piece<'_>| {
         let shown = piece.shown_offsets(&doc)?;
         Ok(Changes::of(piece, &imported.mesh, &vertices, shown.as_ref()))
     };
     let changes = pieces.iter().map(change).collect::<Result<Vec<Changes>, Error>>()?;
-    let meshes = assigned(&doc, &mut glb, &pieces, &changes);
+    let meshes = assigned(&mut to, &pieces, &changes);
     let mut kept = Kept::default();
     for ((piece, changes), mesh) in pieces.iter().zip(&changes).zip(meshes) {
         if changes.any() {
-            replace_vertices(&doc, &mut glb, (piece, mesh), changes)?;
-            follow(&doc, &mut glb, (piece, mesh), changes, &mut notes);
+            replace_vertices(&mut to, (piece, mesh), changes)?;
+            follow(&mut to, (piece, mesh), changes);
         }
         let targets = target_count(doc.meshes.get(piece.mesh, "mesh")?);
         if !piece.dents.is_empty() {
@@ -51,17 +56,17 @@ pub(super) fn deformed<'v>(
             kept.meshes.insert(mesh, keep);
         }
     }
-    targets::drop(&doc, &mut glb, &kept);
-    images::embed(&doc, &mut glb, &mut notes);
-    let glb = compact::write(&doc, glb, old_views, used_before, &mut notes)?;
-    Ok(Exported { glb, notes })
+    targets::drop(&mut to, &kept);
+    images::embed(&mut to);
+    let glb = compact::write(&mut to)?;
+    Ok(Exported { glb, notes: to.notes })
 }
 
 /// The mesh that each piece is written to. A mesh that several nodes show is copied for those whose vertices differ; nodes that are no
 /// part of the body keep the file's.
-fn assigned(doc: &Document<'_>, glb: &mut Glb, pieces: &[Piece<'_>], changes: &[Changes]) -> Vec<usize> {
+fn assigned(to: &mut Rewrite<'_>, pieces: &[Piece<'_>], changes: &[Changes]) -> Vec<usize> {
     let mut others: HashMap<usize, usize> = HashMap::new();
-    for mesh in doc.nodes.iter().filter_map(|node| node.mesh) {
+    for mesh in to.doc.nodes.iter().filter_map(|node| node.mesh) {
         *others.entry(mesh.value()).or_default() += 1;
     }
     for piece in pieces {
@@ -78,7 +83,7 @@ fn assigned(doc: &Document<'_>, glb: &mut Glb, pieces: &[Piece<'_>], changes: &[
         let (is_taken, unchanged) = taken.entry(mesh).or_default();
         out[i] = match unchanged {
             Some(known) if !changes[i].any() => *known,
-            _ if *is_taken => glb.push("meshes", doc.value["meshes"][mesh].clone()),
+            _ if *is_taken => to.glb.push("meshes", to.doc.value["meshes"][mesh].clone()),
             _ => mesh,
         };
         *is_taken = true;
@@ -86,26 +91,21 @@ fn assigned(doc: &Document<'_>, glb: &mut Glb, pieces: &[Piece<'_>], changes: &[
             *unchanged = Some(out[i]);
         }
         for node in pieces[i].nodes.iter().filter(|_| out[i] != mesh) {
-            glb.root["nodes"][*node]["mesh"] = out[i].into();
+            to.glb.root["nodes"][*node]["mesh"] = out[i].into();
         }
     }
     out
 }
 
 /// Gives the primitives of a piece new accessors where vertices changed. The old ones stay for other users.
-fn replace_vertices(
-    doc: &Document<'_>,
-    glb: &mut Glb,
-    (piece, mesh): (&Piece<'_>, usize),
-    changes: &Changes,
-) -> Result<(), Error> {
+fn replace_vertices(to: &mut Rewrite<'_>, (piece, mesh): (&Piece<'_>, usize), changes: &Changes) -> Result<(), Error> {
     let mut known: HashMap<usize, Vec<(String, usize)>> = HashMap::new();
     for primitive in &piece.primitives {
         let accessors = match known.entry(primitive.first_vertex) {
             Entry::Occupied(known) => known.into_mut(),
-            Entry::Vacant(slot) => slot.insert(changes.write(doc, glb, primitive)?),
+            Entry::Vacant(slot) => slot.insert(changes.write(to, primitive)?),
         };
-        let json = &mut glb.root["meshes"][mesh]["primitives"][primitive.index];
+        let json = &mut to.glb.root["meshes"][mesh]["primitives"][primitive.index];
         for (semantic, accessor) in &*accessors {
             json["attributes"][semantic] = (*accessor).into();
         }
@@ -118,13 +118,8 @@ fn replace_vertices(
 }
 
 /// Moves the lines and points of a mesh with the vertices that they share: those of the same accessor, or at the same positions.
-fn follow(
-    doc: &Document<'_>,
-    glb: &mut Glb,
-    (piece, mesh): (&Piece<'_>, usize),
-    changes: &Changes,
-    notes: &mut Vec<String>,
-) {
+fn follow(to: &mut Rewrite<'_>, (piece, mesh): (&Piece<'_>, usize), changes: &Changes) {
+    let doc = to.doc;
     let Ok(json) = doc.meshes.get(piece.mesh, "mesh") else { return };
     let is_dented = |index: usize| piece.primitives.iter().any(|primitive| primitive.index == index);
     let others: Vec<usize> = (0..json.primitives.len()).filter(|index| !is_dented(*index)).collect();
@@ -151,7 +146,7 @@ fn follow(
         let Some(accessor) = attributes.get(&Checked::Valid(Semantic::Positions)) else { continue };
         let same = |primitive: &&Primitive<'_>| primitive.attribute(Semantic::Positions) == Some(*accessor);
         if let Some(twin) = piece.primitives.iter().find(same) {
-            let primitives = &mut glb.root["meshes"][mesh]["primitives"];
+            let primitives = &mut to.glb.root["meshes"][mesh]["primitives"];
             primitives[index]["attributes"]["POSITION"] = primitives[twin.index]["attributes"]["POSITION"].clone();
             continue;
         }
@@ -162,12 +157,12 @@ fn follow(
         left += before.iter().filter(inside).filter(|p| !new.contains_key(&bits(p))).count();
         let changed: Vec<bool> = before.iter().zip(&after).map(|(a, b)| a != b).collect();
         if changed.contains(&true) {
-            let number = push_changed(doc, glb, &own, (&after, &changed), true);
-            glb.root["meshes"][mesh]["primitives"][index]["attributes"]["POSITION"] = number.into();
+            let number = push_changed(to, &own, (&after, &changed), true);
+            to.glb.root["meshes"][mesh]["primitives"][index]["attributes"]["POSITION"] = number.into();
         }
     }
     if left > 0 {
-        notes.push(format!(
+        to.notes.push(format!(
             "{left} vertices of lines or points in {} lie at no vertex of its triangles and stay where they were",
             doc.mesh_label(piece.mesh)
         ));

@@ -1,9 +1,9 @@
 //! Removes the morph targets that are dents. Other targets keep their weights, names and animation.
 
 use super::compact;
-use crate::io::glb::{Glb, list_mut, remove_within};
+use super::rewrite::Rewrite;
+use crate::io::glb::{list_mut, remove_within};
 use crate::io::import::accessor::Accessor;
-use crate::io::import::document::Document;
 use crate::io::import::whole;
 use ::gltf::json::Index;
 use ::gltf::json::accessor::Type;
@@ -21,8 +21,8 @@ pub(super) struct Kept {
 }
 
 /// Removes the other targets, with what describes them.
-pub(super) fn drop(doc: &Document<'_>, glb: &mut Glb, kept: &Kept) {
-    let root = &mut glb.root;
+pub(super) fn drop(to: &mut Rewrite<'_>, kept: &Kept) {
+    let root = &mut to.glb.root;
     for (mesh, keep) in &kept.meshes {
         let mesh = &mut root["meshes"][*mesh];
         for primitive in list_mut(mesh, "primitives").filter_map(Value::as_object_mut) {
@@ -42,7 +42,7 @@ pub(super) fn drop(doc: &Document<'_>, glb: &mut Glb, kept: &Kept) {
     for (node, keep) in &kept.nodes {
         root["nodes"][*node].as_object_mut().into_iter().for_each(|node| retain(node, "weights", keep));
     }
-    filter(doc, glb, kept);
+    filter(to, kept);
 }
 
 fn names(owner: &mut Map<String, Value>, keep: &Keep) {
@@ -65,14 +65,14 @@ fn retain(owner: &mut Map<String, Value>, key: &str, keep: &Keep) {
 }
 
 /// Filters the channels that animate weights, and removes what they leave unused: samplers, and animations without channels.
-fn filter(doc: &Document<'_>, glb: &mut Glb, kept: &Kept) {
-    let Some(animations) = glb.root.get_mut("animations").and_then(Value::as_array_mut) else { return };
+fn filter(to: &mut Rewrite<'_>, kept: &Kept) {
+    let Some(animations) = to.glb.root.get_mut("animations").and_then(Value::as_array_mut) else { return };
     let mut animations = std::mem::take(animations);
-    animations.retain_mut(|animation| !filter_one(doc, glb, kept, animation));
+    animations.retain_mut(|animation| !filter_one(to, kept, animation));
     if animations.is_empty() {
-        glb.root.as_object_mut().map(|r| r.shift_remove("animations"));
+        to.glb.root.as_object_mut().map(|r| r.shift_remove("animations"));
     } else {
-        glb.root["animations"] = animations.into();
+        to.glb.root["animations"] = animations.into();
     }
 }
 
@@ -111,7 +111,7 @@ fn weights<'k>(channel: &Value, kept: &'k Kept) -> Weights<'k> {
 }
 
 /// Returns whether nothing is left of the animation.
-fn filter_one(doc: &Document<'_>, glb: &mut Glb, kept: &Kept, animation: &mut Value) -> bool {
+fn filter_one(to: &mut Rewrite<'_>, kept: &Kept, animation: &mut Value) -> bool {
     let Some(channels) = animation["channels"].as_array().cloned() else { return false };
     let before = channels.len();
     let mut filtered: HashMap<(u64, Keep), usize> = HashMap::new();
@@ -133,7 +133,7 @@ fn filter_one(doc: &Document<'_>, glb: &mut Glb, kept: &Kept, animation: &mut Va
                 changed = true;
                 let Some(old) = whole(&channel["sampler"]) else { continue };
                 let known = filtered.get(&(old, keep.clone())).copied();
-                let new = known.or_else(|| filtered_sampler(doc, glb, animation, old as usize, keep));
+                let new = known.or_else(|| filtered_sampler(to, animation, old as usize, keep));
                 // Without a usable sampler there is nothing to play.
                 let Some(new) = new else { continue };
                 filtered.insert((old, keep.clone()), new);
@@ -151,23 +151,17 @@ fn filter_one(doc: &Document<'_>, glb: &mut Glb, kept: &Kept, animation: &mut Va
 }
 
 /// Adds a sampler whose output has only the weights that stay.
-fn filtered_sampler(
-    doc: &Document<'_>,
-    glb: &mut Glb,
-    animation: &mut Value,
-    old: usize,
-    keep: &Keep,
-) -> Option<usize> {
+fn filtered_sampler(to: &mut Rewrite<'_>, animation: &mut Value, old: usize, keep: &Keep) -> Option<usize> {
     let mut sampler = animation["samplers"].get(old)?.clone();
     let output = Index::new(u32::try_from(whole(&sampler["output"])?).ok()?);
-    let values = Accessor::new(doc, output, "animated weights", Type::Scalar).ok()?.values::<1>().ok()?;
+    let values = Accessor::new(to.doc, output, "animated weights", Type::Scalar).ok()?.values::<1>().ok()?;
     // The weights of all targets follow each other, for each key or each of its tangents.
     let left: Vec<[f32; 1]> =
         values.chunks(keep.len()).flat_map(|key| key.iter().zip(keep).filter(|(_, k)| **k).map(|(w, _)| *w)).collect();
-    let accessor = glb.push_attribute(&left, false);
+    let accessor = to.glb.push_attribute(&left, false);
     // Only vertex attributes name a target.
-    let view = whole(&glb.root["accessors"][accessor]["bufferView"])? as usize;
-    glb.root["bufferViews"][view].as_object_mut()?.shift_remove("target");
+    let view = whole(&to.glb.root["accessors"][accessor]["bufferView"])? as usize;
+    to.glb.root["bufferViews"][view].as_object_mut()?.shift_remove("target");
     sampler["output"] = accessor.into();
     let samplers = animation["samplers"].as_array_mut()?;
     samplers.push(sampler);

@@ -122,7 +122,7 @@ impl<'d> Source<'_, 'd, '_> {
                 others.count()
             ));
         }
-        let mut body = join::alone(self.doc, piece, notes)?;
+        let mut body = join::joined(self.doc, (vec![piece], Vec::new()), notes)?;
         let piece = &body.pieces[0];
         body.imported.name = self.doc.value["meshes"][piece.mesh]["name"].as_str().unwrap_or_default().to_owned();
         // The scene has the unit of the file, as the mesh has.
@@ -135,10 +135,10 @@ impl<'d> Source<'_, 'd, '_> {
     }
 
     fn joined(&self, notes: &mut Vec<String>) -> Result<Body<'d>, Error> {
-        let shown = self.doc.nodes.iter().enumerate().filter_map(|(i, node)| Some((i, node.mesh?.value())));
-        let mut shown: Vec<(usize, usize)> = shown.filter(|(node, _)| self.marks.takes(*node)).collect();
-        let with_meshes = (0..self.doc.nodes.len()).filter(|node| self.doc.nodes[*node].mesh.is_some());
-        let aside: Vec<usize> = with_meshes.clone().filter(|node| self.marks.leaves_aside(*node)).collect();
+        let (chosen, mut aside) = self.marks.chosen();
+        let mesh = |node: usize| Some((node, self.doc.nodes[node].mesh?.value()));
+        let mut shown: Vec<(usize, usize)> = chosen.into_iter().filter_map(mesh).collect();
+        aside.retain(|node| mesh(*node).is_some());
         if let Some(first) = aside.first() {
             notes.push(format!(
                 "{} nodes with meshes, such as '{}', are of other scenes or are levels of detail, and stay as they are; name them \
@@ -149,7 +149,7 @@ impl<'d> Source<'_, 'd, '_> {
         }
         self.leave_flat(&mut shown, notes)?;
         if shown.is_empty() {
-            let with_meshes = with_meshes.count();
+            let with_meshes = self.doc.nodes.iter().filter(|node| node.mesh.is_some()).count();
             if with_meshes == 0 && self.doc.meshes.len() > 0 {
                 return Err(Error::NoSuchMesh {
                     wanted: "of a node".into(),
@@ -177,7 +177,7 @@ impl<'d> Source<'_, 'd, '_> {
             ));
         }
         self.targets_match(&pieces)?;
-        let body = join::body(self.doc, self.nodes, pieces, notes)?;
+        let body = join::joined(self.doc, join::grouped(pieces, self.nodes, notes)?, notes)?;
         if body.imported.examples.is_empty() {
             return Err(match body.pieces.iter().find(|piece| !piece.names.is_empty()) {
                 Some(piece) => self.no_dents(piece),

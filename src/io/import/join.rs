@@ -23,29 +23,15 @@ const SAME: f32 = 1e-6;
 /// How many of those that lie at one place are compared, so that thousands take no longer than in proportion.
 const COMPARED: usize = 256;
 
-/// A mesh in its own space, as a body without parts.
-pub(super) fn alone<'d>(doc: &Document<'_>, piece: Piece<'d>, notes: &mut Vec<String>) -> Result<Body<'d>, Error> {
-    joined(doc, (vec![piece], Vec::new()), notes)
-}
-
-/// The pieces in the order of their parts, as a body of parts.
-pub(super) fn body<'d>(
-    doc: &Document<'_>,
-    nodes: &Nodes<'_, '_>,
-    pieces: Vec<Piece<'d>>,
-    notes: &mut Vec<String>,
-) -> Result<Body<'d>, Error> {
-    joined(doc, grouped(pieces, nodes, notes)?, notes)
-}
-
 /// A part: its name, its mark, and the number of its pieces.
-struct Group {
+pub(super) struct Group {
     name: String,
     mark: Mark,
     pieces: usize,
 }
 
-fn joined<'d>(
+/// A body of pieces that are in the order of these parts. Without any, it is a mesh in its own space.
+pub(super) fn joined<'d>(
     doc: &Document<'_>,
     (mut pieces, groups): (Vec<Piece<'d>>, Vec<Group>),
     notes: &mut Vec<String>,
@@ -124,7 +110,7 @@ fn parts(meshes: &[MeshData], groups: Vec<Group>) -> Vec<Part> {
 
 /// The pieces in the order of their parts. Each node is a part, unless there are more than a body can have: then the smallest nodes
 /// belong to the part of the nearest node above them, or else to one for all others.
-fn grouped<'d>(
+pub(super) fn grouped<'d>(
     pieces: Vec<Piece<'d>>,
     nodes: &Nodes<'_, '_>,
     notes: &mut Vec<String>,

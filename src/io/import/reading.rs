@@ -233,7 +233,8 @@ impl<'r> Marks<'r> {
             }
         };
         let of_materials = material_names.iter().zip(marks("materials")?).map(|(name, extras)| hints(name, extras));
-        let (mut taken, mut aside) = (Vec::new(), Vec::new());
+        let mut taken = vec![false; names.len()];
+        let mut aside = taken.clone();
         if let MeshChoice::Nodes(patterns) = reading.mesh {
             patterns.all_match("nodes", &names)?;
             let own = |node: usize, above: &Found| patterns.found(names[node]).or(*above);
@@ -253,22 +254,10 @@ impl<'r> Marks<'r> {
         })
     }
 
-    /// Whether the reading takes a node for its body.
-    pub(super) fn takes(&self, node: usize) -> bool {
-        self.would_take(node) && !self.is_aside(node)
-    }
-
-    /// Whether it does not, because the node is not shown beside the others.
-    pub(super) fn leaves_aside(&self, node: usize) -> bool {
-        self.would_take(node) && self.is_aside(node)
-    }
-
-    fn would_take(&self, node: usize) -> bool {
-        self.taken.get(node).copied().unwrap_or(false) && self.decide(Some(node), None, None) != Mark::Moving
-    }
-
-    fn is_aside(&self, node: usize) -> bool {
-        self.aside.get(node).copied().unwrap_or(false)
+    /// The nodes that the reading takes for its body, and those that it does not take because they are not shown beside the others.
+    pub(super) fn chosen(&self) -> (Vec<usize>, Vec<usize>) {
+        let is_chosen = |node: &usize| self.taken[*node] && self.decide(Some(*node), None, None) != Mark::Moving;
+        (0..self.taken.len()).filter(is_chosen).partition(|node| !self.aside[*node])
     }
 
     /// The mark of a primitive.
