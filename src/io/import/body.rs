@@ -2,7 +2,7 @@
 
 use super::document::Document;
 use super::extras::{self, Impact};
-use super::join;
+use super::join::{self, Group};
 use super::nodes::Nodes;
 use super::piece::{Body, Piece};
 use super::primitives::{Primitive, primitives, target_count};
@@ -12,7 +12,6 @@ use super::words::{cut, listed, some};
 use super::{malformed, notes};
 use crate::base::error::Error;
 use crate::example::data::{Deltas, ExampleData};
-use ::gltf::json;
 use glam::{DMat3, DMat4, DVec3};
 
 /// Reads what `reading` chooses.
@@ -20,26 +19,16 @@ pub(crate) fn read<'d>(doc: &'d Document<'_>, reading: &Reading<'_>) -> Result<B
     reading.check()?;
     let nodes = Nodes::of(doc)?;
     let source = Source { doc, nodes: &nodes, marks: &Marks::of(doc, &nodes, reading)?, reading };
-    let mut notes: Vec<String> = doc
-        .unknown_requirements()
-        .iter()
-        .map(|name| {
-            format!("the file requires {name}, which is not known here; it is kept, and the meshes are read without it")
-        })
-        .collect();
+    let unknown = |name: &&str| {
+        format!("the file requires {name}, which is not known here; it is kept, and the meshes are read without it")
+    };
+    let mut notes: Vec<String> = doc.unknown_requirements().iter().map(unknown).collect();
+    let named = |name: &str, mesh: usize| doc.value["meshes"][mesh]["name"] == name;
     let mut body = match reading.mesh {
         MeshChoice::Nodes(_) => source.joined(&mut notes)?,
         MeshChoice::First => source.single(source.first(&mut notes)?, &mut notes)?,
-        MeshChoice::Index(mesh) if mesh < doc.meshes.len() => {
-            source.single(source.piece(mesh, None, &mut notes)?, &mut notes)?
-        }
-        MeshChoice::Index(mesh) => return Err(no_such_mesh(doc, mesh.to_string())),
-        MeshChoice::Name(name) => {
-            let named = |mesh: &usize| doc.value["meshes"][*mesh]["name"] == name;
-            let found = (0..doc.meshes.len()).find(named);
-            let mesh = found.ok_or_else(|| no_such_mesh(doc, format!("'{name}'")))?;
-            source.single(source.piece(mesh, None, &mut notes)?, &mut notes)?
-        }
+        MeshChoice::Index(index) => source.wanted(index.to_string(), |mesh| mesh == index, &mut notes)?,
+        MeshChoice::Name(name) => source.wanted(format!("'{name}'"), |mesh| named(name, mesh), &mut notes)?,
     };
     notes::look(&body.imported, &mut notes);
     body.imported.notes = notes;
@@ -89,6 +78,13 @@ impl<'d> Source<'_, 'd, '_> {
         }
     }
 
+    /// The first mesh that is wanted.
+    fn wanted(&self, name: String, is: impl Fn(usize) -> bool, notes: &mut Vec<String>) -> Result<Body<'d>, Error> {
+        let found = (0..self.doc.meshes.len()).find(|mesh| is(*mesh));
+        let mesh = found.ok_or_else(|| Error::NoSuchMesh { wanted: name, available: self.some_meshes() })?;
+        self.single(self.piece(mesh, None, notes)?, notes)
+    }
+
     /// Why a mesh has no examples.
     fn no_dents(&self, piece: &Piece<'_>) -> Error {
         if let Err(error) = self.targets_match(std::slice::from_ref(piece)) {
@@ -110,27 +106,25 @@ impl<'d> Source<'_, 'd, '_> {
         }
         self.targets_match(std::slice::from_ref(&piece))?;
         let weights = |node: usize| self.weights(piece.mesh, Some(node));
-        let others =
-            self.doc.nodes.iter().enumerate().filter(|(i, node)| {
-                node.mesh.is_some_and(|mesh| mesh.value() == piece.mesh) && !piece.nodes.contains(i)
-            });
-        if let Some((node, _)) = others.clone().next() {
-            debug_assert!(weights(node) != weights(piece.nodes[0]));
-            let name = self.nodes.name(node);
+        let mut others = self.nodes_of(piece.mesh);
+        others.retain(|node| !piece.nodes.contains(node));
+        if let Some(node) = others.first() {
+            debug_assert!(weights(*node) != weights(piece.nodes[0]));
+            let (count, name) = (others.len(), self.nodes.name(*node));
             notes.push(format!(
-                "{} of the nodes that show this mesh, such as '{name}', show it with other weights and are not dented",
-                others.count()
+                "{count} of the nodes that show this mesh, such as '{name}', show it with other weights and are not dented"
             ));
         }
-        let mut body = join::joined(self.doc, (vec![piece], Vec::new()), notes)?;
+        let alone = Group { name: None, mark: piece.mark, pieces: vec![piece] };
+        let mut body = join::joined(self.doc, vec![alone], notes)?;
         let piece = &body.pieces[0];
         body.imported.name = self.doc.value["meshes"][piece.mesh]["name"].as_str().unwrap_or_default().to_owned();
         // The scene has the unit of the file, as the mesh has.
         let unit = self.reading.unit;
-        body.imported.node_transform = self
-            .nodes
-            .transform_of_mesh(piece.mesh)?
-            .map(|[x, y, z, [tx, ty, tz, w]]| [x, y, z, [tx * unit, ty * unit, tz * unit, w]]);
+        body.imported.node_transform = self.nodes.transform_of_mesh(piece.mesh)?.map(|transform| {
+            let [x, y, z, [tx, ty, tz, w]] = transform.to_cols_array_2d();
+            [x, y, z, [tx * unit, ty * unit, tz * unit, w]]
+        });
         Ok(body)
     }
 
@@ -151,12 +145,10 @@ impl<'d> Source<'_, 'd, '_> {
         if shown.is_empty() {
             let with_meshes = self.doc.nodes.iter().filter(|node| node.mesh.is_some()).count();
             if with_meshes == 0 && self.doc.meshes.len() > 0 {
+                let all = self.some_meshes();
                 return Err(Error::NoSuchMesh {
                     wanted: "of a node".into(),
-                    available: format!(
-                        "{}, which no node shows; choose one (--mesh) instead of nodes",
-                        self.some_meshes()
-                    ),
+                    available: format!("{all}, which no node shows; choose one (--mesh) instead of nodes"),
                 });
             }
             return Err(Error::NoSuchMesh {
@@ -181,13 +173,11 @@ impl<'d> Source<'_, 'd, '_> {
         if body.imported.examples.is_empty() {
             return Err(match body.pieces.iter().find(|piece| !piece.names.is_empty()) {
                 Some(piece) => self.no_dents(piece),
-                None => Error::NoExamples {
-                    what: format!(
-                        "no mesh of the {} chosen nodes has morph targets; {}",
-                        shown.len(),
-                        self.with_targets()
-                    ),
-                },
+                None => {
+                    let (count, others) = (shown.len(), self.with_targets());
+                    let what = format!("no mesh of the {count} chosen nodes has morph targets; {others}");
+                    Error::NoExamples { what }
+                }
             });
         }
         Ok(body)
@@ -195,19 +185,16 @@ impl<'d> Source<'_, 'd, '_> {
 
     /// Leaves out nodes that a scale of 0 hides, unless all are.
     fn leave_flat(&self, shown: &mut Vec<(usize, usize)>, notes: &mut Vec<String>) -> Result<(), Error> {
-        let mut flat = vec![false; self.doc.nodes.len()];
-        for (node, _) in &*shown {
+        let (mut flat, mut others) = (Vec::new(), Vec::new());
+        for (node, mesh) in &*shown {
             let world = self.nodes.shown(*node, &mut Vec::new())?;
-            flat[*node] = !DMat3::from_mat4(world).inverse().is_finite();
+            let is_flat = !DMat3::from_mat4(world).inverse().is_finite();
+            if is_flat { &mut flat } else { &mut others }.push((*node, *mesh));
         }
-        let hidden = shown.iter().filter(|(node, _)| flat[*node]).count();
-        if hidden > 0 && hidden < shown.len() {
-            let first = shown.iter().find(|(node, _)| flat[*node]).map_or(0, |(node, _)| *node);
-            notes.push(format!(
-                "{hidden} nodes, such as '{}', have a scale of 0 and stay as they are",
-                cut(&self.nodes.name(first))
-            ));
-            shown.retain(|(node, _)| !flat[*node]);
+        if let (Some((first, _)), false) = (flat.first(), others.is_empty()) {
+            let (hidden, name) = (flat.len(), self.nodes.name(*first));
+            notes.push(format!("{hidden} nodes, such as '{}', have a scale of 0 and stay as they are", cut(&name)));
+            *shown = others;
         }
         Ok(())
     }
@@ -220,6 +207,12 @@ impl<'d> Source<'_, 'd, '_> {
     fn targets_match(&self, pieces: &[Piece<'_>]) -> Result<(), Error> {
         let names: Vec<&str> = pieces.iter().flat_map(|piece| &piece.names).map(String::as_str).collect();
         self.reading.targets.all_match("morph targets", &names)
+    }
+
+    /// The nodes that show a mesh.
+    fn nodes_of(&self, mesh: usize) -> Vec<usize> {
+        let shows = |node: &usize| self.doc.nodes[*node].mesh.is_some_and(|shown| shown.value() == mesh);
+        (0..self.doc.nodes.len()).filter(shows).collect()
     }
 
     /// The default weights of a mesh where a node shows it.
@@ -272,9 +265,9 @@ impl<'d> Source<'_, 'd, '_> {
         let nodes = match node {
             Some(node) => vec![node],
             None => {
-                let shows = |node: &json::Node| node.mesh.is_some_and(|shown| shown.value() == mesh);
-                let all = (0..doc.nodes.len()).filter(|node| shows(&doc.nodes[*node]));
-                all.filter(|node| self.weights(mesh, Some(*node)) == weights).collect()
+                let mut all = self.nodes_of(mesh);
+                all.retain(|node| self.weights(mesh, Some(*node)) == weights);
+                all
             }
         };
         let to_body = match node {
@@ -326,10 +319,6 @@ impl<'d> Source<'_, 'd, '_> {
 
 fn moves(example: &ExampleData) -> bool {
     matches!(&example.positions, Deltas::Sparse { indices, .. } if !indices.is_empty())
-}
-
-fn no_such_mesh(doc: &Document<'_>, wanted: String) -> Error {
-    Error::NoSuchMesh { wanted, available: meshes(doc, (0..doc.meshes.len()).collect()) }
 }
 
 /// Some of many meshes for a message.

@@ -144,11 +144,17 @@ impl<'a> Document<'a> {
     /// The bytes of a buffer, exactly as many as the file states.
     pub fn buffer(&self, index: usize) -> Result<&[u8], Error> {
         let buffer = self.buffers.get(index, "buffer")?;
-        if let Some(bytes) = self.loaded[index].get() {
-            return Ok(bytes);
-        }
-        let bytes = self.load(index, buffer)?;
-        Ok(self.loaded[index].get_or_init(|| bytes))
+        let bytes = match self.loaded[index].get() {
+            Some(bytes) => bytes,
+            None => {
+                let bytes = self.load(index, buffer)?;
+                self.loaded[index].get_or_init(|| bytes)
+            }
+        };
+        let length = usize::try_from(buffer.byte_length.0).ok();
+        length.and_then(|length| bytes.get(..length)).ok_or_else(|| {
+            malformed(format!("buffer {index} says it has {} bytes; there are {}", buffer.byte_length.0, bytes.len()))
+        })
     }
 
     fn load(&self, index: usize, buffer: &json::Buffer) -> Result<Cow<'a, [u8]>, Error> {
@@ -159,25 +165,14 @@ impl<'a> Document<'a> {
             loaded.set(loaded.get().saturating_add(bytes.len() as u64));
             Cow::Owned(bytes)
         };
-        let bytes: Cow<'a, [u8]> = match (&buffer.uri, self.bin) {
+        match (&buffer.uri, self.bin) {
             (Some(uri), _) => match uri::parse(uri, &what)? {
-                UriTarget::Data(bytes) => Cow::Owned(bytes),
-                UriTarget::File(path) => external(uri::read_file(self.base_dir, &path, &what, Some(length))?),
+                UriTarget::Data(bytes) => Ok(Cow::Owned(bytes)),
+                UriTarget::File(path) => Ok(external(uri::read_file(self.base_dir, &path, &what, Some(length))?)),
             },
-            (None, Some(bin)) if index == 0 => Cow::Borrowed(bin),
-            (None, _) => return Err(self.no_data(index)),
-        };
-        let wanted = usize::try_from(length)
-            .ok()
-            .filter(|n| *n <= bytes.len())
-            .ok_or_else(|| malformed(format!("{what} says it has {length} bytes; there are {}", bytes.len())))?;
-        Ok(match bytes {
-            Cow::Borrowed(b) => Cow::Borrowed(&b[..wanted]),
-            Cow::Owned(mut b) => {
-                b.truncate(wanted);
-                Cow::Owned(b)
-            }
-        })
+            (None, Some(bin)) if index == 0 => Ok(Cow::Borrowed(bin)),
+            (None, _) => Err(self.no_data(index)),
+        }
     }
 
     fn no_data(&self, index: usize) -> Error {
@@ -321,8 +316,8 @@ fn split(bytes: &[u8]) -> Result<Container<'_>, Error> {
 }
 
 fn split_glb(bytes: &[u8]) -> Result<Container<'_>, Error> {
-    let word = |at: usize| bytes.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
-    let (Some(version), Some(length)) = (word(4), word(8)) else {
+    let word = |bytes: &[u8], at: usize| bytes.get(at..)?.first_chunk().map(|four| u32::from_le_bytes(*four));
+    let (Some(version), Some(length)) = (word(bytes, 4), word(bytes, 8)) else {
         return Err(malformed(format!("the GLB ends after {} bytes, inside its header of 12", bytes.len())));
     };
     if version != 2 {
@@ -332,11 +327,10 @@ fn split_glb(bytes: &[u8]) -> Result<Container<'_>, Error> {
     let bytes = bytes.get(..length as usize).ok_or_else(|| {
         malformed(format!("the GLB says it has {length} bytes; there are {}, so it was cut short", bytes.len()))
     })?;
-    let word = |at: usize| bytes.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
     let (mut text, mut bin, mut chunks) = (None, None, Vec::new());
     let mut at = 12;
     while at < bytes.len() {
-        let (Some(size), Some(kind)) = (word(at), word(at + 4)) else {
+        let (Some(size), Some(kind)) = (word(bytes, at), word(bytes, at + 4)) else {
             return Err(malformed(format!("the GLB ends inside the chunk header at byte {at}")));
         };
         let chunk = range(at as u64 + 8, Some(size.into()), bytes.len()).ok_or_else(|| {

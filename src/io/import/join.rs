@@ -23,46 +23,63 @@ const SAME: f32 = 1e-6;
 /// How many of those that lie at one place are compared, so that thousands take no longer than in proportion.
 const COMPARED: usize = 256;
 
-/// A part: its name, its mark, and the number of its pieces.
-pub(super) struct Group {
-    name: String,
-    mark: Mark,
-    pieces: usize,
+/// The pieces of one part.
+pub(super) struct Group<'d> {
+    /// `None` for a mesh in its own space, which is no part.
+    pub name: Option<String>,
+    pub mark: Mark,
+    pub pieces: Vec<Piece<'d>>,
 }
 
-/// A body of pieces that are in the order of these parts. Without any, it is a mesh in its own space.
+/// A body of these parts.
 pub(super) fn joined<'d>(
     doc: &Document<'_>,
-    (mut pieces, groups): (Vec<Piece<'d>>, Vec<Group>),
+    groups: Vec<Group<'d>>,
     notes: &mut Vec<String>,
 ) -> Result<Body<'d>, Error> {
-    let vertices: usize = pieces.iter().map(|piece| piece.surface.data.positions.len()).sum();
+    let all = groups.iter().flat_map(|group| &group.pieces);
+    let vertices: usize = all.map(|piece| piece.surface.data.positions.len()).sum();
     if vertices > u32::MAX as usize {
         return Err(unsupported(format!("{vertices} vertices in all parts; 32-bit indices reach {}", u32::MAX)));
     }
-    let (mut meshes, mut primitives, mut glass, mut moved) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    let mut first = (0, 0);
-    for (i, piece) in pieces.iter_mut().enumerate() {
-        piece.first_vertex = first.0;
-        let mesh = piece.placed();
-        for (primitive, mark) in piece.primitives.iter().zip(&piece.marks) {
-            let range = primitive.range(doc, first)?;
-            if *mark == Mark::Glass && (piece.mark != Mark::Glass || groups.is_empty()) {
-                glass.push(Part {
-                    name: range.material.clone().unwrap_or_else(|| primitive.name.clone()),
-                    kind: PartKind::Glass,
-                    ..part(&range)
-                });
+    let (mut meshes, mut primitives, mut moved) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut parts, mut glass) = (Vec::new(), Vec::new());
+    let (mut pieces, mut next) = (Vec::new(), (0, 0));
+    for group in groups {
+        let first = next;
+        for mut piece in group.pieces {
+            piece.first_vertex = next.0;
+            let mesh = piece.placed();
+            for (primitive, mark) in piece.primitives.iter().zip(&piece.marks) {
+                let range = primitive.range(doc, next)?;
+                if *mark == Mark::Glass && (piece.mark != Mark::Glass || group.name.is_none()) {
+                    let name = range.material.clone().unwrap_or_else(|| primitive.name.clone());
+                    let PrimitiveRange { first_vertex, vertex_count, first_triangle, triangle_count, .. } = range;
+                    let kind = PartKind::Glass;
+                    glass.push(Part { name, kind, first_vertex, vertex_count, first_triangle, triangle_count });
+                }
+                primitives.push(range);
             }
-            primitives.push(range);
+            let examples = piece.placed_examples(mesh.normals.as_deref()).into_iter();
+            moved.extend(examples.map(|example| Moved::of(example, &mesh, next.0, pieces.len())));
+            next = (next.0 + mesh.positions.len(), next.1 + mesh.triangles.len());
+            meshes.push(mesh);
+            pieces.push(piece);
         }
-        let examples = piece.placed_examples(mesh.normals.as_deref());
-        moved.extend(examples.into_iter().map(|example| Moved::of(example, &mesh, first.0, i)));
-        first = (first.0 + mesh.positions.len(), first.1 + mesh.triangles.len());
-        meshes.push(mesh);
+        parts.extend(group.name.map(|name| Part {
+            name,
+            kind: match group.mark {
+                Mark::Dents => PartKind::Dents,
+                Mark::Glass => PartKind::Glass,
+                Mark::Rigid | Mark::Moving => PartKind::Rigid,
+            },
+            first_vertex: first.0 as u32,
+            vertex_count: (next.0 - first.0) as u32,
+            first_triangle: first.1 as u32,
+            triangle_count: (next.1 - first.1) as u32,
+        }));
     }
-    let mut parts = parts(&meshes, groups);
-    parts.extend(glass);
+    parts.append(&mut glass);
     if parts.len() >= MAX_MESHES {
         let what = format!(
             "{} parts; a body has at most {}: mark whole nodes as glass instead of materials, or choose fewer (--nodes)",
@@ -82,45 +99,18 @@ pub(super) fn joined<'d>(
     Ok(Body { pieces, imported: Imported { name, mesh, examples, primitives, parts, node_transform, notes } })
 }
 
-fn part(range: &PrimitiveRange) -> Part {
-    let PrimitiveRange { first_vertex, vertex_count, first_triangle, triangle_count, .. } = *range;
-    Part { name: String::new(), kind: PartKind::Dents, first_vertex, vertex_count, first_triangle, triangle_count }
-}
-
-fn parts(meshes: &[MeshData], groups: Vec<Group>) -> Vec<Part> {
-    let mut meshes = meshes.iter();
-    let (mut first_vertex, mut first_triangle) = (0, 0);
-    let part = |Group { name, mark, pieces }: Group| {
-        let (mut vertex_count, mut triangle_count) = (0, 0);
-        for mesh in meshes.by_ref().take(pieces) {
-            vertex_count += mesh.positions.len() as u32;
-            triangle_count += mesh.triangles.len() as u32;
-        }
-        let kind = match mark {
-            Mark::Dents => PartKind::Dents,
-            Mark::Glass => PartKind::Glass,
-            Mark::Rigid | Mark::Moving => PartKind::Rigid,
-        };
-        let part = Part { name, kind, first_vertex, vertex_count, first_triangle, triangle_count };
-        (first_vertex, first_triangle) = (first_vertex + vertex_count, first_triangle + triangle_count);
-        part
-    };
-    groups.into_iter().map(part).collect()
-}
-
-/// The pieces in the order of their parts. Each node is a part, unless there are more than a body can have: then the smallest nodes
+/// The pieces by their parts. Each node is a part, unless there are more than a body can have: then the smallest nodes
 /// belong to the part of the nearest node above them, or else to one for all others.
 pub(super) fn grouped<'d>(
     pieces: Vec<Piece<'d>>,
     nodes: &Nodes<'_, '_>,
     notes: &mut Vec<String>,
-) -> Result<(Vec<Piece<'d>>, Vec<Group>), Error> {
+) -> Result<Vec<Group<'d>>, Error> {
     let is_glass = |piece: &Piece<'_>| piece.mark != Mark::Glass && piece.marks.contains(&Mark::Glass);
     let most = (MAX_MESHES - 1).saturating_sub(pieces.iter().filter(|piece| is_glass(piece)).count());
-    let group = |piece: &Piece<'_>| Group { name: piece.name.clone(), mark: piece.mark, pieces: 1 };
     if pieces.len() <= most {
-        let groups = pieces.iter().map(group).collect();
-        return Ok((pieces, groups));
+        let alone = |piece: Piece<'d>| Group { name: Some(piece.name.clone()), mark: piece.mark, pieces: vec![piece] };
+        return Ok(pieces.into_iter().map(alone).collect());
     }
     // The others are one part for each mark.
     let marks: HashSet<u8> = pieces.iter().map(|piece| piece.mark as u8).collect();
@@ -132,32 +122,26 @@ pub(super) fn grouped<'d>(
     let of_node: HashMap<usize, usize> =
         by_size.iter().enumerate().flat_map(|(g, i)| pieces[*i].nodes.iter().map(move |node| (*node, g))).collect();
     let nearest = nodes.inherited(None, |node, above: &Option<usize>| of_node.get(&node).copied().or(*above));
-    let mut groups: Vec<Group> = by_size.iter().map(|i| group(&pieces[*i])).collect();
-    let (mut of_piece, mut small) = (Vec::with_capacity(pieces.len()), 0);
-    let mut others = [None; 3];
-    for piece in &pieces {
+    let empty = |name: &str, mark: Mark| Group { name: Some(name.to_owned()), mark, pieces: Vec::new() };
+    let mut groups: Vec<Group<'d>> = by_size.iter().map(|i| empty(&pieces[*i].name, pieces[*i].mark)).collect();
+    let (mut others, mut small, count) = ([None; 3], 0, pieces.len());
+    for piece in pieces {
         let above = piece.nodes.first().and_then(|node| nearest[*node]).filter(|g| groups[*g].mark == piece.mark);
         let own = piece.nodes.first().and_then(|node| of_node.get(node)).is_some();
         small += usize::from(!own);
         let slot = &mut others[piece.mark.min(Mark::Rigid) as usize];
         let g = above.or(*slot).unwrap_or_else(|| {
             let name = ["others", "other glass", "other rigid parts"][piece.mark.min(Mark::Rigid) as usize];
-            groups.push(Group { name: name.into(), mark: piece.mark, pieces: 0 });
+            groups.push(empty(name, piece.mark));
             *slot.insert(groups.len() - 1)
         });
-        of_piece.push(g);
+        groups[g].pieces.push(piece);
     }
     notes.push(format!(
-        "{} nodes have meshes, and a body has at most {most} parts: the {small} smallest belong to the part of the node above them \
-         or to 'others'; choose nodes with --nodes",
-        pieces.len()
+        "{count} nodes have meshes, and a body has at most {most} parts: the {small} smallest belong to the part of the node above \
+         them or to 'others'; choose nodes with --nodes"
     ));
-    for (g, group) in groups.iter_mut().enumerate() {
-        group.pieces = of_piece.iter().filter(|of| **of == g).count();
-    }
-    let mut ordered: Vec<(usize, Piece<'d>)> = of_piece.into_iter().zip(pieces).collect();
-    ordered.sort_by_key(|(g, _)| *g);
-    Ok((ordered.into_iter().map(|(_, piece)| piece).collect(), groups))
+    Ok(groups)
 }
 
 /// The arrays of all meshes. What a mesh lacks and another has is filled in.

@@ -267,9 +267,7 @@ pub fn gltf_solids(bytes: &[u8], base_dir: Option<&Path>, body: Option<[[f32; 4]
     let solid = |mesh| {
         let surface = Surface::read(&doc, &primitives(&doc, mesh)?, &mut Vec::new())?;
         let MeshData { mut positions, triangles, .. } = surface.data;
-        let placed =
-            nodes.transform_of_mesh(mesh)?.map_or(Mat4::IDENTITY, |columns| Mat4::from_cols_array_2d(&columns));
-        let to_body = into_body * placed;
+        let to_body = into_body * nodes.transform_of_mesh(mesh)?.unwrap_or(Mat4::IDENTITY);
         for p in positions.iter_mut().filter(|_| to_body != Mat4::IDENTITY) {
             *p = to_body.transform_point3(Vec3::from(*p)).to_array();
         }

@@ -8,7 +8,7 @@ use crate::base::error::Error;
 use ::gltf::json;
 use ::gltf::json::Index;
 use ::gltf::json::accessor::Type;
-use glam::{DMat4, DQuat, DVec3};
+use glam::{DMat4, DQuat, DVec3, Mat4};
 use serde_json::Value;
 use std::collections::{HashMap, HashSet};
 
@@ -68,9 +68,8 @@ impl<'d, 'a> Nodes<'d, 'a> {
     }
 
     /// The world matrix of the first node that shows the mesh.
-    pub(super) fn transform_of_mesh(&self, mesh: usize) -> Result<Option<[[f32; 4]; 4]>, Error> {
-        let rounded = |world: DMat4| world.as_mat4().to_cols_array_2d();
-        self.first(mesh).map(|node| self.shown(node, &mut Vec::new()).map(rounded)).transpose()
+    pub(super) fn transform_of_mesh(&self, mesh: usize) -> Result<Option<Mat4>, Error> {
+        self.first(mesh).map(|node| self.shown(node, &mut Vec::new()).map(|world| world.as_mat4())).transpose()
     }
 
     /// The node's name; else its mesh's, that of the next node above it with a name, or `node N`.
