@@ -3,7 +3,7 @@
 use crate::info;
 use crate::output::{Output, progress};
 use crate::source::{Input, write_notes};
-use crate::table::{Table, count};
+use crate::table::{Table, count, vertices};
 use crate::units::{angle, length, mass};
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
@@ -167,13 +167,8 @@ fn keep_out(
         let bytes = std::fs::read(path).with_context(|| format!("cannot read {shown}"))?;
         let solids = import::gltf_solids(&bytes, path.parent(), transform).with_context(|| shown.to_string())?;
         let report = mesh.keep_out(&solids, tasks).with_context(|| shown.to_string())?;
-        writeln!(
-            text,
-            "  {shown}: keeps {} out of {}; {} begin inside and do not move",
-            count(report.limited, "vertex", "vertices"),
-            count(solids.len(), "solid", "solids"),
-            report.inside
-        )?;
+        let (kept, solids) = (vertices(report.limited), count(solids.len(), "solid", "solids"));
+        writeln!(text, "  {shown}: keeps {kept} out of {solids}; {} begin inside and do not move", report.inside)?;
     }
     Ok(text)
 }
@@ -198,21 +193,15 @@ fn sizes(text: &mut String, set: &ExampleSet, file: usize) {
     row("mesh, index and the rest", file - whole - nodes);
     row("file", file);
     table.write(text);
-    let [vertices, examples] = [(moved, "vertex", "vertices"), (set.examples().len(), "example", "examples")]
-        .map(|(n, one, many)| count(n, one, many));
-    let _ = writeln!(text, "\n  moved     {vertices} in {examples}");
+    let (vertices, examples) = (vertices(moved), count(set.examples().len(), "example", "examples"));
+    text.push_str(&format!("\n  moved     {vertices} in {examples}\n"));
 }
 
 /// Reports the nodes that vertices follow.
 fn followed(text: &mut String, report: &BasisReport, tolerance: Option<f32>) -> Result<()> {
     let mm = |x: f32| format!("{:.3} mm", f64::from(x) * 1e3);
-    writeln!(
-        text,
-        "\n  nodes     {}; a vertex follows {:.0} of them, in the mean; {}",
-        count(report.nodes, "node", "nodes"),
-        report.nodes_a_vertex,
-        megabytes(report.bytes)
-    )?;
+    let (nodes, each, size) = (count(report.nodes, "node", "nodes"), report.nodes_a_vertex, megabytes(report.bytes));
+    writeln!(text, "\n  nodes     {nodes}; a vertex follows {each:.0} of them, in the mean; {size}")?;
     let off = format!("vertices are off by up to {} in examples and in hits all over the body", mm(report.worst));
     match tolerance.filter(|tolerance| report.worst > *tolerance) {
         None => writeln!(text, "            {off}")?,

@@ -3,7 +3,7 @@
 
 use crate::picture::millimetres;
 use crate::source::{Input, Source, write_notes};
-use crate::table::{Table, count, digits, percent, plain, point};
+use crate::table::{Table, count, digits, percent, plain, point, vertices};
 use anyhow::Result;
 use clap::Args;
 use crumple::glam::Vec3;
@@ -28,58 +28,39 @@ pub fn run(arguments: &Arguments) -> Result<String> {
 }
 
 fn body(text: &mut String, source: &Source) -> Result<()> {
-    let mesh = source.set.mesh();
-    let name = plain(&source.about.name);
-    writeln!(
-        text,
-        "  mesh      {}: {}, {}, {}, {} on seams",
-        if name.is_empty() { "(no name)" } else { &name },
-        count(source.set.vertex_count(), "vertex", "vertices"),
-        count(mesh.triangles().len(), "triangle", "triangles"),
-        count(source.about.primitives.len().max(1), "primitive", "primitives"),
-        mesh.seam_count()
-    )?;
+    let (mesh, scale) = (source.set.mesh(), source.scale());
+    let name = Some(plain(&source.about.name)).filter(|name| !name.is_empty()).unwrap_or("(no name)".into());
+    let (all, triangles) = (vertices(mesh.positions().len()), count(mesh.triangles().len(), "triangle", "triangles"));
+    let primitives = count(source.about.primitives.len().max(1), "primitive", "primitives");
+    writeln!(text, "  mesh      {name}: {all}, {triangles}, {primitives}, {} on seams", mesh.seam_count())?;
     let size = mesh.bounds().max - mesh.bounds().min;
-    let scale = source.scale();
-    let shown = size * scale;
-    writeln!(text, "  size      {:.3} x {:.3} x {:.3} m", shown.x, shown.y, shown.z)?;
+    let sides = |size: Vec3| format!("{:.3} x {:.3} x {:.3}", size.x, size.y, size.z);
+    writeln!(text, "  size      {} m", sides(size * scale))?;
     if scale != 1.0 {
+        let (times, own) = (digits(scale), sides(size));
         writeln!(
             text,
-            "  scale     {}: its node scales the mesh, which is {:.3} x {:.3} x {:.3} in its own space. Lengths here are the scene's, points the mesh's own",
-            digits(scale),
-            size.x,
-            size.y,
-            size.z
+            "  scale     {times}: its node scales the mesh, which is {own} in its own space. Lengths here are the scene's, points the mesh's own"
         )?;
     }
     writeln!(text, "  limit     no vertex moves further than {} mm", millimetres(source.set.depth_limit() * scale))?;
-    writeln!(
-        text,
-        "  memory    {:.1} MB for mesh and examples, shared by all copies",
-        source.set.memory_bytes() as f64 * 1e-6
-    )?;
+    let megabytes = source.set.memory_bytes() as f64 * 1e-6;
+    writeln!(text, "  memory    {megabytes:.1} MB for mesh and examples, shared by all copies")?;
     let report = source.set.report();
     writeln!(text, "  mirror    {}", planes(report.mirror_planes))?;
     if report.held_vertices > 0 {
-        let held = count(report.held_vertices, "vertex", "vertices");
+        let held = vertices(report.held_vertices);
         writeln!(text, "  rim       {held} on edges that the examples show to be held; dents do not move them")?;
     }
     if report.limited_vertices + report.stiff_vertices > 0 {
-        writeln!(
-            text,
-            "  limits    {} with a depth limit, {} with a stiffness; {} cannot move",
-            count(report.limited_vertices, "vertex", "vertices"),
-            report.stiff_vertices,
-            report.rigid_vertices
-        )?;
+        let (limited, stiff, rigid) = (vertices(report.limited_vertices), report.stiff_vertices, report.rigid_vertices);
+        writeln!(text, "  limits    {limited} with a depth limit, {stiff} with a stiffness; {rigid} cannot move")?;
     }
     if report.welded > 0 {
-        let widest = millimetres(report.widest_weld);
+        let (welded, widest) = (report.welded, millimetres(report.widest_weld));
         writeln!(
             text,
-            "  note      the examples tear {} seam vertices apart, by up to {widest} mm; they were welded",
-            report.welded
+            "  note      the examples tear {welded} seam vertices apart, by up to {widest} mm; they were welded"
         )?;
     }
     if report.repaired_normals > 0 {
@@ -100,7 +81,7 @@ pub fn parts(text: &mut String, parts: &[Part]) -> Result<()> {
             PartKind::Rigid => ", rigid",
             PartKind::Glass => ", glass",
         };
-        let (name, vertices) = (plain(&part.name), count(part.vertex_count as usize, "vertex", "vertices"));
+        let (name, vertices) = (plain(&part.name), vertices(part.vertex_count as usize));
         writeln!(text, "  part {:<4} {name}: {vertices}{kind}", i + 1)?;
     }
     Ok(())
@@ -114,7 +95,7 @@ fn levels(text: &mut String, set: &ExampleSet) -> Result<()> {
     let bounds = set.mesh().bounds();
     let far = FAR_OFF * bounds.max.distance(bounds.min);
     for (i, level) in set.report().lods.iter().enumerate() {
-        let (vertices, off) = (count(level.vertices, "vertex", "vertices"), millimetres(level.farthest));
+        let (vertices, off) = (vertices(level.vertices), millimetres(level.farthest));
         writeln!(text, "  level {}   {vertices}, at most {off} mm off the base surface", i + 1)?;
         if level.farthest > far {
             writeln!(
@@ -179,10 +160,10 @@ pub fn learned(text: &mut String, set: &ExampleSet) -> Result<()> {
     left.sort_by(|a, b| errors[*a].total_cmp(&errors[*b]));
     let Some(worst) = left.last().filter(|_| left.len() > 1) else { return Ok(()) };
     text.push_str("\n  Examples predict each other\n");
+    let median = errors[left[left.len() / 2]];
     writeln!(
         text,
-        "  error     {:.2}, median over the examples left out in turn; 0 is perfect, no dent at all is 1",
-        errors[left[left.len() / 2]]
+        "  error     {median:.2}, median over the examples left out in turn; 0 is perfect, no dent at all is 1"
     )?;
     let name = plain(set.examples()[*worst].name());
     writeln!(text, "  worst     {:.2}, {name} (#{worst}): one more near it would help most", errors[*worst])?;
@@ -192,8 +173,7 @@ pub fn learned(text: &mut String, set: &ExampleSet) -> Result<()> {
 /// Reports which part of the body the examples move where they were made.
 fn reach(text: &mut String, set: &ExampleSet) -> Result<()> {
     let mesh = set.mesh();
-    let reached: Vec<bool> =
-        (0..set.vertex_count() as u32).map(|v| set.examples().iter().any(|e| e.delta(v) != Vec3::ZERO)).collect();
+    let reached = moved(set);
     let missed = reached.iter().filter(|r| !**r).count();
     let areas = vertex_areas(mesh);
     let (mut area, mut missed_area) = (0.0, 0.0);
@@ -204,30 +184,24 @@ fn reach(text: &mut String, set: &ExampleSet) -> Result<()> {
     text.push('\n');
     if missed == 0 {
         writeln!(text, "  The examples move every vertex.")?;
-    } else {
-        writeln!(
-            text,
-            "  The examples do not move {} of {} vertices ({}; {} of the area).",
-            missed,
-            set.vertex_count(),
-            percent(missed as f64, set.vertex_count() as f64),
-            percent(missed_area, area)
-        )?;
-        let regions = regions(mesh, &reached);
-        if let Some(largest) = regions.first() {
-            let box_ = Aabb::of(largest.iter().map(|&v| &mesh.positions()[v as usize]));
-            writeln!(
-                text,
-                "  They lie in {}; the largest has {}, centre {}, from {} to {} m.",
-                count(regions.len(), "region", "regions"),
-                count(largest.len(), "vertex", "vertices"),
-                point((box_.min + box_.max) * 0.5),
-                point(box_.min),
-                point(box_.max)
-            )?;
-        }
+        return Ok(());
+    }
+    let all = set.vertex_count();
+    let (share, of_area) = (percent(missed as f64, all as f64), percent(missed_area, area));
+    writeln!(text, "  The examples do not move {missed} of {all} vertices ({share}; {of_area} of the area).")?;
+    let regions = regions(mesh, &reached);
+    if let Some(largest) = regions.first() {
+        let Aabb { min, max } = Aabb::of(largest.iter().map(|&v| &mesh.positions()[v as usize]));
+        let (regions, largest) = (count(regions.len(), "region", "regions"), vertices(largest.len()));
+        let (centre, min, max) = (point((min + max) * 0.5), point(min), point(max));
+        writeln!(text, "  They lie in {regions}; the largest has {largest}, centre {centre}, from {min} to {max} m.")?;
     }
     Ok(())
+}
+
+/// Which vertices the examples move.
+pub fn moved(set: &ExampleSet) -> Vec<bool> {
+    (0..set.vertex_count() as u32).map(|v| set.examples().iter().any(|e| e.delta(v) != Vec3::ZERO)).collect()
 }
 
 /// The area of each vertex: a third of that of the triangles around it, m².

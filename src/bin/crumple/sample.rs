@@ -1,10 +1,10 @@
 //! `crumple sample`: writes a list of impacts to start from.
 
-use crate::impacts;
 use crate::output::Output;
 use crate::picture::millimetres;
 use crate::source::{FAR_OFF, Input, Source};
 use crate::table::count;
+use crate::{impacts, info};
 use anyhow::{Result, bail};
 use clap::Args;
 use crumple::{ExampleSet, Hit, HitStatus, Instance, InstanceOptions, Mesh, ThreadPool, glam::Vec3};
@@ -37,14 +37,8 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     file.commit()?;
     let depths = impacts.iter().map(|(_, u)| Vec3::from(*u).length());
     let (low, high) = depths.fold((f32::MAX, 0f32), |(l, h), d| (l.min(d), h.max(d)));
-    Ok(format!(
-        "{}: {}, {} to {} mm deep, seed {}\n",
-        arguments.output.display(),
-        count(impacts.len(), "impact", "impacts"),
-        millimetres(low),
-        millimetres(high),
-        arguments.seed
-    ))
+    let (path, all, seed) = (arguments.output.display(), count(impacts.len(), "impact", "impacts"), arguments.seed);
+    Ok(format!("{path}: {all}, {} to {} mm deep, seed {seed}\n", millimetres(low), millimetres(high)))
 }
 
 /// Points spread over the surface, each with a displacement (m) that dents the mesh there: into the body along the normal, or as the
@@ -116,8 +110,7 @@ struct Surface<'a> {
 impl<'a> Surface<'a> {
     fn new(set: &'a ExampleSet) -> Surface<'a> {
         let mesh = set.mesh();
-        let moved: Vec<bool> =
-            (0..set.vertex_count() as u32).map(|v| set.examples().iter().any(|e| e.delta(v) != Vec3::ZERO)).collect();
+        let moved = info::moved(set);
         let mut sum = 0.0;
         let area = |t: &[u32; 3]| {
             if t.iter().any(|&i| moved[i as usize]) {

@@ -58,6 +58,11 @@ pub fn count(n: usize, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
 }
 
+/// A count of vertices.
+pub fn vertices(n: usize) -> String {
+    count(n, "vertex", "vertices")
+}
+
 /// A number with at most four significant digits.
 pub fn digits(x: f32) -> String {
     format!("{x:.3e}").parse().map_or_else(|_| x.to_string(), |rounded: f32| rounded.to_string())

@@ -70,7 +70,7 @@ impl View {
         }
         // Try directions around the body and take the one that shows most of the dents; an oblique view counts as
         // enough.
-        let ahead = any_perpendicular(up);
+        let ahead = up.any_orthonormal_vector();
         let mut best = (0.0, three_quarter(up, ahead, 0.0, ELEVATION));
         for step in 0..AZIMUTHS {
             let turn = step as f32 * std::f32::consts::TAU / AZIMUTHS as f32;
@@ -85,7 +85,7 @@ impl View {
 
     /// The horizontal axis to the viewer's right.
     pub fn right(&self) -> Vec3 {
-        self.up.cross(self.toward).normalize_or(any_perpendicular(self.up))
+        self.up.cross(self.toward).normalize_or(self.up.any_orthonormal_vector())
     }
 }
 
@@ -154,7 +154,7 @@ fn three_quarter(up: Vec3, facing: Vec3, turn: f32, elevation: f32) -> Vec3 {
 /// The direction of the viewer, at a right angle to the horizontal direction in which a sheet is widest.
 fn long_side(positions: &[Vec3], up: Vec3) -> Vec3 {
     let mean = positions.iter().sum::<Vec3>() / positions.len().max(1) as f32;
-    let a = any_perpendicular(up);
+    let a = up.any_orthonormal_vector();
     let b = up.cross(a);
     let (mut aa, mut ab, mut bb) = (0.0f32, 0.0f32, 0.0f32);
     for p in positions {
@@ -166,8 +166,4 @@ fn long_side(positions: &[Vec3], up: Vec3) -> Vec3 {
     let angle = 0.5 * (2.0 * ab).atan2(aa - bb);
     let wide = a * angle.cos() + b * angle.sin();
     wide.cross(up).normalize()
-}
-
-fn any_perpendicular(n: Vec3) -> Vec3 {
-    n.any_orthonormal_vector()
 }
