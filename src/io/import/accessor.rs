@@ -142,7 +142,7 @@ impl<'d> Accessor<'d> {
 
     /// Reads the elements that are not zero, with their indices in increasing order. Elements that a sparse accessor
     /// omits cost nothing. They need not be finite.
-    pub fn nonzero(&self) -> Result<(Vec<u32>, Vec<[f32; 3]>), Error> {
+    pub fn nonzero(&self) -> Result<Vec<(u32, [f32; 3])>, Error> {
         let pairs: Vec<(u32, [f32; 3])> = match (&self.sparse, self.base) {
             (Some((indices, values)), None) => {
                 self.budget.charge(indices.len(), 16, &self.name)?;
@@ -150,7 +150,7 @@ impl<'d> Accessor<'d> {
             }
             _ => (0..).zip(self.values::<3>()?).collect(),
         };
-        Ok(pairs.into_iter().filter(|(_, v)| *v != [0.0; 3]).unzip())
+        Ok(pairs.into_iter().filter(|(_, v)| *v != [0.0; 3]).collect())
     }
 
     /// Reads all elements as vertex indices, which must be below `limit`.

@@ -5,7 +5,7 @@ use super::extras::{self, Impact};
 use super::join::{self, Group};
 use super::nodes::Nodes;
 use super::piece::{Body, Piece};
-use super::primitives::{Primitive, primitives, target_count};
+use super::primitives::{deltas, primitives, target_count};
 use super::reading::{Mark, Marks, MeshChoice, Patterns, Reading};
 use super::surface::Surface;
 use super::words::{cut, listed, some};
@@ -251,10 +251,21 @@ impl<'d> Source<'_, 'd, '_> {
         let mut broken = 0;
         for target in &dents {
             let Impact { contact, normal: contact_normal, blow } = impacts[*target];
-            let (positions, normals, is_broken) = deltas(doc, &primitives, *target)?;
-            broken += usize::from(is_broken);
-            let name = names[*target].clone();
-            examples.push(ExampleData { name, positions, normals, contact, contact_normal, blow });
+            let deltas = deltas(doc, &primitives, *target)?;
+            let sparse = |pairs: Vec<(u32, [f32; 3])>| {
+                let (indices, values) = pairs.into_iter().unzip();
+                Deltas::Sparse { indices, values }
+            };
+            let lacks_normals = deltas.lacks_normals || deltas.broken_normals || deltas.normals.is_empty();
+            broken += usize::from(deltas.broken_normals);
+            examples.push(ExampleData {
+                name: names[*target].clone(),
+                positions: sparse(deltas.positions),
+                normals: (!lacks_normals).then(|| sparse(deltas.normals)),
+                contact,
+                contact_normal,
+                blow,
+            });
         }
         if broken > 0 {
             let label = doc.mesh_label(mesh);
@@ -343,30 +354,4 @@ fn target_accessors(doc: &Document<'_>, mesh: usize, targets: usize) -> Option<V
     let names = (0..targets).map(name).collect::<Option<Vec<String>>>()?;
     let distinct: std::collections::HashSet<&String> = names.iter().collect();
     (distinct.len() == names.len()).then_some(names)
-}
-
-/// The displacements and normal deltas of one target, and whether the file's normal deltas are broken. There are normal deltas only
-/// if each primitive that moves has some.
-fn deltas(
-    doc: &Document<'_>,
-    primitives: &[Primitive<'_>],
-    target: usize,
-) -> Result<(Deltas, Option<Deltas>, bool), Error> {
-    let mut positions = (Vec::new(), Vec::new());
-    let mut normals = Some((Vec::new(), Vec::new()));
-    let mut broken = false;
-    for primitive in primitives.iter().filter(|p| p.owns_vertices) {
-        let deltas = primitive.deltas(doc, target)?;
-        broken |= deltas.broken_normals;
-        normals = normals.filter(|_| deltas.normals.is_some() || deltas.positions.0.is_empty());
-        positions.0.extend(deltas.positions.0);
-        positions.1.extend(deltas.positions.1);
-        if let (Some(all), Some(own)) = (&mut normals, deltas.normals) {
-            all.0.extend(own.0);
-            all.1.extend(own.1);
-        }
-    }
-    let sparse = |(indices, values)| Deltas::Sparse { indices, values };
-    let normals = normals.filter(|(indices, _)| !broken && !indices.is_empty()).map(sparse);
-    Ok((sparse(positions), normals, broken))
 }

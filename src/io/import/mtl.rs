@@ -1,6 +1,6 @@
 //! The materials of an MTL file as glTF materials.
 
-use super::words::{cut, decoded};
+use super::words::decoded;
 use serde_json::{Value, json};
 use std::collections::HashMap;
 
@@ -93,8 +93,3 @@ const PATH: &percent_encoding::AsciiSet = &percent_encoding::CONTROLS
     .add(b'[')
     .add(b']')
     .add(b':');
-
-/// The name of a library for a message.
-pub(super) fn shown(name: &str) -> String {
-    format!("'{}'", cut(name))
-}

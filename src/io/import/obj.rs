@@ -3,6 +3,7 @@
 use super::obj_text::{Corner, Face, ObjText};
 use super::reading::{MeshChoice, Patterns};
 use super::surface::smooth;
+use super::words::quoted;
 use super::{Imported, finite, gltf_slice, mtl, uri};
 use crate::base::error::Error;
 use crate::io::glb::{Glb, new_root, set_bounds};
@@ -282,36 +283,31 @@ impl Builder {
     fn materials(&mut self, folder: Option<&Path>) -> HashMap<String, tobj::Material> {
         let mut all = HashMap::new();
         let Some(folder) = folder else { return all };
-        for library in self.base.libraries.clone() {
+        let why = |error| match error {
+            Error::Io { message, .. } => message,
+            other => other.to_string(),
+        };
+        for library in std::mem::take(&mut self.base.libraries) {
             // One name with spaces, or several names.
-            let load = |name: &str| beside(folder, name);
-            let found: Vec<(String, Result<Vec<u8>, Error>)> = match load(&library) {
-                Ok(bytes) => vec![(library, Ok(bytes))],
-                Err(error) if library.split_whitespace().count() < 2 => vec![(library, Err(error))],
-                Err(_) => library.split_whitespace().map(|name| (name.to_owned(), load(name))).collect(),
-            };
-            for (name, bytes) in found {
-                let why = match bytes.map(|bytes| mtl::library(&bytes)) {
-                    Ok(Ok(materials)) => {
-                        // The first library that has a material counts.
-                        for (name, material) in materials {
-                            all.entry(name).or_insert(material);
-                        }
-                        continue;
-                    }
-                    Ok(Err(why)) => why,
-                    Err(Error::Io { message, .. }) => message,
-                    Err(error) => error.to_string(),
-                };
-                let name = mtl::shown(&name);
-                self.notes
-                    .push(format!("the materials of {name} cannot be read, so they keep their names only: {why}"));
+            let words: Vec<&str> = library.split_whitespace().collect();
+            let is_one = words.len() < 2 || beside(folder, &library).is_ok();
+            for name in if is_one { vec![library.as_str()] } else { words } {
+                match beside(folder, name).map_err(why).and_then(|bytes| mtl::library(&bytes)) {
+                    // The first library that has a material counts.
+                    Ok(materials) => materials.into_iter().for_each(|(name, material)| {
+                        all.entry(name).or_insert(material);
+                    }),
+                    Err(why) => self.notes.push(format!(
+                        "the materials of {} cannot be read, so they keep their names only: {why}",
+                        quoted(name)
+                    )),
+                }
             }
         }
         let used: HashSet<usize> = self.base.faces.iter().map(|face| face.material).filter(|m| *m > 0).collect();
         let unknown = used.iter().filter(|m| !all.contains_key(&self.base.materials[**m])).min();
         if let Some(first) = unknown.filter(|_| !all.is_empty()) {
-            let name = mtl::shown(&self.base.materials[*first]);
+            let name = quoted(&self.base.materials[*first]);
             self.notes
                 .push(format!("no MTL file of '{}' has the material {name}; it keeps its name only", self.base.name));
         }

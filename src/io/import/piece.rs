@@ -2,7 +2,7 @@
 
 use super::Imported;
 use super::document::Document;
-use super::primitives::Primitive;
+use super::primitives::{Primitive, deltas};
 use super::reading::Mark;
 use super::surface::Surface;
 use crate::base::error::Error;
@@ -68,18 +68,16 @@ impl Piece<'_> {
         }
         let count = self.surface.data.positions.len();
         let mut out = Offsets { positions: vec![[0.0; 3]; count], normals: vec![[0.0; 3]; count] };
-        let add = |to: &mut [[f32; 3]], (indices, values): (Vec<u32>, Vec<[f32; 3]>), weight: f32| {
-            for (i, delta) in indices.iter().zip(&values) {
+        let add = |to: &mut [[f32; 3]], deltas: &[(u32, [f32; 3])], weight: f32| {
+            for (i, delta) in deltas {
                 let slot = &mut to[*i as usize];
                 *slot = std::array::from_fn(|k| slot[k] + weight * delta[k]);
             }
         };
         for (target, weight) in &self.shown {
-            for primitive in self.primitives.iter().filter(|p| p.owns_vertices) {
-                let deltas = primitive.deltas(doc, *target)?;
-                add(&mut out.positions, deltas.positions, *weight);
-                add(&mut out.normals, deltas.normals.unwrap_or_default(), *weight);
-            }
+            let deltas = deltas(doc, &self.primitives, *target)?;
+            add(&mut out.positions, &deltas.positions, *weight);
+            add(&mut out.normals, &deltas.normals, *weight);
         }
         Ok(Some(out))
     }

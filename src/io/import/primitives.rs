@@ -102,38 +102,6 @@ impl Primitive<'_> {
         (base.to_vec(), targets.collect())
     }
 
-    /// The displacements and normal deltas of one target, as indices of the mesh's vertices. A primitive that lacks the target
-    /// does not move.
-    pub fn deltas(&self, doc: &Document<'_>, target: usize) -> Result<TargetDeltas, Error> {
-        let mut out = TargetDeltas::default();
-        let Some(MorphTarget { positions, normals, .. }) = self.json.targets.as_ref().and_then(|t| t.get(target))
-        else {
-            return Ok(out);
-        };
-        let read = |index: Option<Index<json::Accessor>>, label: &str| {
-            let Some(index) = index else { return Ok(None) };
-            let name = format!("{} target {target} {label}", self.name);
-            let accessor = Accessor::new(doc, index, &name, Type::Vec3)?;
-            self.same_count(&accessor, &name)?;
-            Ok::<_, Error>(Some((accessor.nonzero()?, accessor)))
-        };
-        if let Some(((indices, values), accessor)) = read(*positions, "POSITION")? {
-            for (i, v) in indices.iter().zip(&values) {
-                finite(*v, || accessor.element_name(*i as usize))?;
-            }
-            out.positions = (indices, values);
-        }
-        if let Some(((indices, values), _)) = read(*normals, "NORMAL")? {
-            out.broken_normals = values.iter().any(|v| v.iter().any(|x| !x.is_finite()));
-            // Exporters that do not compute normals of targets write zeros. A primitive that only shifts has none to change.
-            out.normals = Some((indices, values)).filter(|(i, _)| !i.is_empty() && !out.broken_normals);
-        }
-        for list in [Some(&mut out.positions.0), out.normals.as_mut().map(|n| &mut n.0)].into_iter().flatten() {
-            list.iter_mut().for_each(|i| *i += self.first_vertex as u32);
-        }
-        Ok(out)
-    }
-
     /// Its place in the joined mesh, whose vertices and triangles of this mesh begin at `first`.
     pub fn range(&self, doc: &Document<'_>, first: (usize, usize)) -> Result<PrimitiveRange, Error> {
         let material = self.material().map(|m| {
@@ -153,13 +121,48 @@ impl Primitive<'_> {
     }
 }
 
-/// What a target does to a primitive: indices and values that are not zero.
+/// What a target does to vertices of a mesh, by their indices. Zeros are left out.
 #[derive(Default)]
 pub(crate) struct TargetDeltas {
-    pub positions: (Vec<u32>, Vec<[f32; 3]>),
-    /// `None` if there are none, or none that can be used.
-    pub normals: Option<(Vec<u32>, Vec<[f32; 3]>)>,
+    pub positions: Vec<(u32, [f32; 3])>,
+    /// Of the primitives that have some that can be used.
+    pub normals: Vec<(u32, [f32; 3])>,
+    /// Whether a primitive that moves has none.
+    pub lacks_normals: bool,
+    /// Whether some are no numbers.
     pub broken_normals: bool,
+}
+
+/// What a target does to the vertices of these primitives. One that lacks the target does not move.
+pub(crate) fn deltas(doc: &Document<'_>, primitives: &[Primitive<'_>], target: usize) -> Result<TargetDeltas, Error> {
+    let mut out = TargetDeltas::default();
+    for primitive in primitives.iter().filter(|p| p.owns_vertices) {
+        let Some(json) = primitive.json.targets.as_ref().and_then(|targets| targets.get(target)) else { continue };
+        let MorphTarget { positions, normals, .. } = json;
+        let read = |index: &Option<Index<json::Accessor>>, label: &str| {
+            let Some(index) = index else { return Ok(None) };
+            let name = format!("{} target {target} {label}", primitive.name);
+            let accessor = Accessor::new(doc, *index, &name, Type::Vec3)?;
+            primitive.same_count(&accessor, &name)?;
+            Ok::<_, Error>(Some((accessor.nonzero()?, accessor)))
+        };
+        let of_mesh = |(i, v): (u32, [f32; 3])| (primitive.first_vertex as u32 + i, v);
+        let before = (out.positions.len(), out.normals.len());
+        if let Some((moved, accessor)) = read(positions, "POSITION")? {
+            for (i, v) in &moved {
+                finite(*v, || accessor.element_name(*i as usize))?;
+            }
+            out.positions.extend(moved.into_iter().map(of_mesh));
+        }
+        if let Some((turned, _)) = read(normals, "NORMAL")? {
+            let is_broken = turned.iter().any(|(_, v)| v.iter().any(|x| !x.is_finite()));
+            out.broken_normals |= is_broken;
+            out.normals.extend(turned.into_iter().filter(|_| !is_broken).map(of_mesh));
+        }
+        // Exporters that do not compute normals of targets write zeros. A primitive that only shifts has none to change.
+        out.lacks_normals |= out.positions.len() > before.0 && out.normals.len() == before.1;
+    }
+    Ok(out)
 }
 
 /// The number of targets of a mesh. Primitives may have fewer, although the specification says otherwise.

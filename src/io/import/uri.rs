@@ -1,5 +1,6 @@
 //! Resolves a glTF's `uri` to the bytes of a `data:` URI or to the path of another file.
 
+use super::words::cut_at;
 use super::{malformed, unsupported};
 use crate::base::error::Error;
 use base64::Engine;
@@ -20,23 +21,21 @@ pub(crate) enum UriTarget {
 
 /// Parses a URI. `what` names the user of the URI in errors.
 pub(crate) fn parse(uri: &str, what: &str) -> Result<UriTarget, Error> {
+    let shown = cut_at(uri, 80);
     let scheme = uri.split_once(':').map(|(scheme, _)| scheme).filter(|s| is_scheme(s));
     match scheme {
         Some(s) if s.eq_ignore_ascii_case("data") => data(&uri[5..], what).map(UriTarget::Data),
         Some(_) => Err(unsupported(format!(
-            "{what} points to '{}'; only files beside this one or below and data: URIs are read",
-            shortened(uri)
+            "{what} points to '{shown}'; only files beside this one or below and data: URIs are read"
         ))),
         None if uri.is_empty() => Err(malformed(format!("{what} has an empty uri"))),
         // Some exporters do not encode paths. A path that does not decode is used as written.
         None => match percent_decode_str(uri).decode_utf8().unwrap_or_else(|_| uri.into()) {
             path if path.starts_with(['/', '\\']) => Err(unsupported(format!(
-                "{what} points to the absolute path '{}'; put it beside the file, and name it by a relative path",
-                shortened(uri)
+                "{what} points to the absolute path '{shown}'; put it beside the file, and name it by a relative path"
             ))),
             path if leaves_folder(&path) => Err(unsupported(format!(
-                "{what} points to '{}', outside the file's folder; put it beside the file or below",
-                shortened(uri)
+                "{what} points to '{shown}', outside the file's folder; put it beside the file or below"
             ))),
             path => Ok(UriTarget::File(path.into_owned())),
         },
@@ -106,13 +105,4 @@ fn data(rest: &str, what: &str) -> Result<Vec<u8>, Error> {
     let alphabet = if body.iter().any(|b| b"-_".contains(b)) { &URL_SAFE } else { &STANDARD };
     let decoded = GeneralPurpose::new(alphabet, config).decode(&*body);
     decoded.map_err(|e| malformed(format!("{what}: the data: URI is not base64: {e}")))
-}
-
-/// The start of a URI for an error message, since URIs may be megabytes long.
-fn shortened(uri: &str) -> String {
-    let mut text: String = uri.chars().take(80).collect();
-    if text.len() < uri.len() {
-        text.push('…');
-    }
-    text
 }

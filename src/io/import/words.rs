@@ -25,7 +25,7 @@ pub(crate) fn decoded(bytes: &[u8]) -> Cow<'_, str> {
 
 /// Some of many names for a message.
 pub(crate) fn listed<T: AsRef<str>>(names: impl ExactSizeIterator<Item = T>) -> String {
-    some("none", names.map(|name| format!("'{}'", cut(name.as_ref()))))
+    some("none", names.map(|name| quoted(name.as_ref())))
 }
 
 /// Some of many things for a message, which says `none` if there are none.
@@ -42,16 +42,25 @@ pub(crate) fn some(none: &str, things: impl ExactSizeIterator<Item = String>) ->
 
 /// A name for a message, at most 40 characters of it.
 pub(crate) fn cut(name: &str) -> String {
-    match name.char_indices().nth(40) {
-        Some((end, _)) => format!("{}…", &name[..end]),
-        None => name.to_owned(),
-    }
+    cut_at(name, 40)
+}
+
+/// The same in quotes.
+pub(crate) fn quoted(name: &str) -> String {
+    format!("'{}'", cut(name))
 }
 
 /// A value for an error message, at most one line of it.
 pub(crate) fn brief(value: &Value) -> String {
-    let text = value.to_string();
-    if text.chars().count() <= 60 { text } else { text.chars().take(60).chain(['…']).collect() }
+    cut_at(&value.to_string(), 60)
+}
+
+/// At most so many characters of a text that may be megabytes long.
+pub(crate) fn cut_at(text: &str, most: usize) -> String {
+    match text.char_indices().nth(most) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_owned(),
+    }
 }
 
 /// The error for a value of a file that is not what it must be.
