@@ -41,9 +41,11 @@ struct Check {
     section: Range<usize>,
     /// Bytes of one element.
     element: usize,
-    /// What is wrong with some of the section's bytes.
-    elements: Box<dyn Fn(&[u8]) -> Result<(), Error> + Sync>,
+    elements: Box<Elements>,
 }
+
+/// What is wrong with some of a section's bytes.
+type Elements = dyn Fn(&[u8]) -> Result<(), Error> + Sync;
 
 impl Check {
     /// `elements` gets the section's name. A section that cannot be found has no elements; that it is absent is seen later.
