@@ -1,19 +1,17 @@
 //! `crumple apply`: dents a mesh with a list of impacts; writes a GLB and pictures.
 
-use crate::gpu;
 use crate::impacts::{self, Impact};
 use crate::output::{Output, progress};
 use crate::picture::{Kind, Subject, millimetres};
 use crate::source::{FAR_OFF, Input, Source, write_notes};
 use crate::table::{Table, count, digits, percent};
-use crate::vertices::Vertices;
+use crate::vertices::Deformed;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use crumple::glam::Vec3;
-use crumple::{HitStatus, Instance, InstanceOptions, Outcome, Rule, Space, ThreadPool, Tracker};
+use crumple::{HitStatus, Instance, InstanceOptions, Outcome, Rule, Space, ThreadPool};
 use std::fmt::Write;
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
 
 /// Vertices that moved less than this are not reported as moved, m.
 const VISIBLE: f32 = 1e-5;
@@ -57,15 +55,6 @@ fn rule(text: &str) -> Result<Rule, String> {
     }
 }
 
-/// The deformed mesh.
-struct Deformed {
-    vertices: Vertices,
-    /// Time to fold the hits and to evaluate every vertex.
-    time: Duration,
-    /// The device and, for a GPU, how its vertices compare with the CPU's.
-    by: String,
-}
-
 pub fn run(arguments: &Arguments) -> Result<String> {
     let impacts = impacts::read(&arguments.impacts)?;
     let mut file = Output::create_as(&arguments.output, "glb", "a GLB")?;
@@ -98,7 +87,7 @@ pub fn run(arguments: &Arguments) -> Result<String> {
     }
 
     bar.set_message("deforming");
-    let deformed = deform(arguments, &mut instance, &source, &pool)?;
+    let deformed = Deformed::new(&mut instance, &pool, arguments.threads, arguments.gpu.as_deref())?;
     bar.inc(1);
     bar.set_message("writing");
     let exported = source.deformed_glb(&deformed.vertices)?;
@@ -143,36 +132,6 @@ fn options(arguments: &Arguments) -> InstanceOptions {
 
 fn same_file(a: &std::path::Path, b: &std::path::Path) -> bool {
     matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
-}
-
-fn deform(arguments: &Arguments, instance: &mut Instance, source: &Source, pool: &ThreadPool) -> Result<Deformed> {
-    let mut vertices = Vertices::at_rest(source.set.mesh());
-    let mut tracker = Tracker::new();
-    let start = Instant::now();
-    instance.deform(&mut tracker, vertices.memory()?, pool)?;
-    let time = start.elapsed();
-    let Some(adapter) = &arguments.gpu else {
-        let by = match arguments.threads {
-            0 => "all cores".to_owned(),
-            n => count(n as usize, "thread", "threads"),
-        };
-        return Ok(Deformed { vertices, time, by });
-    };
-    let mut seen = Vertices::at_rest(source.set.mesh());
-    let done = gpu::deform(instance, &source.set, adapter, &mut seen)?;
-    let compared = compared(&seen, &vertices);
-    let by = format!("{}, including the upload of the mesh and its examples; {compared}", done.adapter);
-    Ok(Deformed { vertices: seen, time: done.time, by })
-}
-
-/// Describes how the GPU's vertices compare with the CPU's.
-fn compared(gpu: &Vertices, cpu: &Vertices) -> String {
-    if (&gpu.positions, &gpu.normals, &gpu.tangents) == (&cpu.positions, &cpu.normals, &cpu.tangents) {
-        return "the CPU's are the same".into();
-    }
-    let off = |(a, b): (&[f32; 3], &[f32; 3])| (Vec3::from(*a) - Vec3::from(*b)).length();
-    let most = gpu.positions.iter().zip(&cpu.positions).map(off).fold(0.0, f32::max);
-    format!("the CPU's positions are within {:.1e} mm", most * 1e3)
 }
 
 /// Parses the size of a picture.

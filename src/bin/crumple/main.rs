@@ -2,7 +2,6 @@
 
 mod apply;
 mod bake;
-mod gpu;
 mod impacts;
 mod info;
 mod output;

@@ -76,38 +76,20 @@ fn filter(to: &mut Rewrite<'_>, kept: &Kept) {
     }
 }
 
-/// What a channel does to weights.
-enum Weights<'k> {
-    /// Nothing, or to none that are dropped.
-    Untouched,
-    /// It animates all weights, of which these stay.
-    All(&'k Keep),
-    /// It animates one weight, which gets this number.
-    One(usize),
-    /// It animates nothing that stays.
-    Dropped,
-}
-
-fn weights<'k>(channel: &Value, kept: &'k Kept) -> Weights<'k> {
+/// What stays of the targets whose weights a channel animates, and the number of the weight if it is one. `None` if it animates none
+/// that are dropped.
+fn weights<'k>(channel: &Value, kept: &'k Kept) -> Option<(&'k Keep, Option<usize>)> {
     let target = &channel["target"];
-    let of_node = |node: Option<u64>| node.and_then(|node| kept.nodes.get(&(node as usize)));
+    let of_node = |node: Option<u64>| kept.nodes.get(&(node? as usize));
     let pointer = target["extensions"]["KHR_animation_pointer"]["pointer"].as_str();
     let path: Option<Vec<&str>> = pointer.map(|pointer| pointer.split('/').collect());
     let (keep, one) = match (target["path"].as_str(), path.as_deref()) {
         (Some("weights"), _) => (of_node(whole(&target["node"])), None),
-        (_, Some(["", "meshes", mesh, "weights", rest @ ..])) => {
-            (mesh.parse().ok().and_then(|mesh: usize| kept.meshes.get(&mesh)), rest.first())
-        }
+        (_, Some(["", "meshes", mesh, "weights", rest @ ..])) => (kept.meshes.get(&mesh.parse().ok()?), rest.first()),
         (_, Some(["", "nodes", node, "weights", rest @ ..])) => (of_node(node.parse().ok()), rest.first()),
-        _ => (None, None),
+        _ => return None,
     };
-    let Some(keep) = keep else { return Weights::Untouched };
-    match one.map(|text| text.parse::<usize>().ok()) {
-        _ if !keep.contains(&true) => Weights::Dropped,
-        None => Weights::All(keep),
-        Some(Some(one)) if keep.get(one) == Some(&true) => Weights::One(keep[..one].iter().filter(|k| **k).count()),
-        Some(_) => Weights::Dropped,
-    }
+    Some((keep?, one.map(|text| text.parse().unwrap_or(usize::MAX))))
 }
 
 /// Returns whether nothing is left of the animation.
@@ -119,17 +101,18 @@ fn filter_one(to: &mut Rewrite<'_>, kept: &Kept, animation: &mut Value) -> bool 
     let mut changed = false;
     for mut channel in channels {
         match weights(&channel, kept) {
-            Weights::Untouched => {}
-            Weights::Dropped => {
+            None => {}
+            Some((keep, one)) if !keep.contains(&true) || one.is_some_and(|one| keep.get(one) != Some(&true)) => {
                 changed = true;
                 continue;
             }
-            Weights::One(number) => {
+            Some((keep, Some(one))) => {
+                let number = keep[..one].iter().filter(|k| **k).count();
                 let pointer = &mut channel["target"]["extensions"]["KHR_animation_pointer"]["pointer"];
                 let start = pointer.as_str().and_then(|p| p.rsplit_once('/')).map_or("", |(start, _)| start);
                 *pointer = format!("{start}/{number}").into();
             }
-            Weights::All(keep) => {
+            Some((keep, None)) => {
                 changed = true;
                 let Some(old) = whole(&channel["sampler"]) else { continue };
                 let known = filtered.get(&(old, keep.clone())).copied();

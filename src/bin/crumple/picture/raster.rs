@@ -36,11 +36,7 @@ impl Surface {
 
 impl Interpolate for Surface {
     fn lerp2(a: Self, b: Self, x: f32, y: f32) -> Self {
-        Surface {
-            normal: a.normal * x + b.normal * y,
-            distance: a.distance * x + b.distance * y,
-            value: a.value * x + b.value * y,
-        }
+        Self::lerp3(a, b, b, x, y, 0.0)
     }
 
     fn lerp3(a: Self, b: Self, c: Self, x: f32, y: f32, z: f32) -> Self {
