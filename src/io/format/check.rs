@@ -3,12 +3,13 @@
 use super::layout::wrong;
 use crate::base::error::Error;
 use crate::basis::{MOST_WEIGHT, Rows, TILE};
-use crate::example::blocks::{DeltaBlocks, GROUP, Head, Numbers, Stored, Width, words};
+use crate::example::blocks::{DeltaBlocks, GROUP, Numbers, Stored, Width, words};
 use crate::mesh::MAX_COORDINATE;
 use crate::mesh::nearest::{Leaf, indices_below, vertices_known};
 use crate::mesh::rim::Rim;
 use crate::mesh::vertex_blocks::{BLOCK, block_range};
 use glam::Vec3;
+use std::fmt::Display;
 
 /// The longest displacement that a file may have, m. No built set reaches it, and its square is far below the largest
 /// float.
@@ -32,7 +33,7 @@ fn numbers_within(all: &[f32], limit: f32) -> bool {
 }
 
 /// The number must be finite, from `low` to `high`.
-pub(super) fn between(name: impl std::fmt::Display, x: f32, low: f32, high: f32) -> Result<(), Error> {
+pub(super) fn between(name: impl Display, x: f32, low: f32, high: f32) -> Result<(), Error> {
     if x >= low && x <= high { Ok(()) } else { Err(wrong(name, x, format!("{low:e} to {high:e}"))) }
 }
 
@@ -148,62 +149,56 @@ pub(super) fn rim(rim: &Rim, vertices: usize) -> Result<(), Error> {
 
 /// Checks one example's blocks on a mesh with this number of vertices. `name` identifies the example in errors.
 pub(super) fn anchored(a: &DeltaBlocks, vertices: usize, name: &str) -> Result<(), Error> {
-    let bad = |head: usize, field: &str, value: String, expected: String| {
-        Err(wrong(format!("{field} of block {head} of {name}"), value, expected))
-    };
     let (mut at, mut next) = (0, 0);
     for (i, h) in a.heads.iter().enumerate() {
-        if h.block < next || h.block as usize >= vertices.div_ceil(BLOCK) {
-            return bad(i, "the number", h.block.to_string(), format!("{next} to {}", vertices.div_ceil(BLOCK) - 1));
+        let bad = |field: &str, value: &dyn Display, expected: &dyn Display| {
+            Err(wrong(format!("{field} of block {i} of {name}"), value, expected))
+        };
+        let blocks = vertices.div_ceil(BLOCK);
+        if h.block < next || h.block as usize >= blocks {
+            return bad("the number", &h.block, &format!("{next} to {}", blocks - 1));
         }
         next = h.block + 1;
         let len = block_range(h.block as usize, vertices).len();
         let possible = u16::MAX >> (BLOCK / GROUP - len.div_ceil(GROUP));
         if (h.groups | h.normal_groups) & !possible != 0 || h.groups | h.normal_groups == 0 {
             let value = format!("{:#x}, {:#x}", h.groups, h.normal_groups);
-            return bad(i, "the groups", value, format!("some of {possible:#x}"));
+            return bad("the groups", &value, &format!("some of {possible:#x}"));
         }
         for width in [h.width, h.normal_width] {
             if Width::of(width).is_none_or(|w| !a.steps.whole && w != Width::F32) {
-                return bad(i, "a width", width.to_string(), if a.steps.whole { "1, 2 or 4" } else { "4" }.into());
+                return bad("a width", &width, &if a.steps.whole { "1, 2 or 4" } else { "4" });
             }
         }
         if h.zero != 0 {
-            return bad(i, "the rest", h.zero.to_string(), "0".into());
+            return bad("the rest", &h.zero, &"0");
         }
         if h.at as usize != at {
-            return bad(i, "the place", h.at.to_string(), format!("{at}, where the block before it ends"));
+            return bad("the place", &h.at, &format!("{at}, where the block before it ends"));
         }
         at += words(h.groups, h.width) + words(h.normal_groups, h.normal_width);
         if at > a.words.len() {
-            return bad(i, "the end", at.to_string(), format!("at most {}, the words there are", a.words.len()));
+            return bad("the end", &at, &format!("at most {}, the words there are", a.words.len()));
         }
-        block(a, h, len).or_else(|(field, value, expected)| bad(i, field, value, expected))?;
+        for (name, stored) in [("a displacement", a.displacements(h)), ("a change of a normal", a.normals(h))] {
+            // Beyond this, floats do not hold whole numbers of steps reliably.
+            let most = if a.steps.whole { crate::example::blocks::Steps::MOST } else { MAX_COORDINATE };
+            if let Numbers::F32(n) = stored.numbers
+                && let Err(e) = numbers(name, n, most)
+            {
+                return bad(name, &e, &format!("finite and within {most:e}"));
+            }
+            if let Some(v) = (len..len.next_multiple_of(GROUP)).find(|v| stored.at(*v) != Vec3::ZERO) {
+                return bad(name, &stored.at(v), &"0 beyond the last vertex");
+            }
+        }
+        let found = length(&a.displacements(h));
+        if h.longest != found || found > MAX_DISPLACEMENT {
+            return bad("the longest displacement", &h.longest, &format!("{found}, at most {MAX_DISPLACEMENT:e} m"));
+        }
     }
     if at != a.words.len() {
         return Err(wrong(format!("the number of words of {name}"), a.words.len(), at));
-    }
-    Ok(())
-}
-
-/// Checks the numbers of one block.
-fn block(a: &DeltaBlocks, h: &Head, len: usize) -> Result<(), (&'static str, String, String)> {
-    for (name, stored) in [("a displacement", a.displacements(h)), ("a change of a normal", a.normals(h))] {
-        // Beyond this, floats do not hold whole numbers of steps reliably.
-        let most = if a.steps.whole { crate::example::blocks::Steps::MOST } else { MAX_COORDINATE };
-        if let Numbers::F32(n) = stored.numbers
-            && let Err(e) = numbers(name, n, most)
-        {
-            return Err((name, e.to_string(), format!("finite and within {most:e}")));
-        }
-        if let Some(v) = (len..len.next_multiple_of(GROUP)).find(|v| stored.at(*v) != Vec3::ZERO) {
-            return Err((name, stored.at(v).to_string(), "0 beyond the last vertex".into()));
-        }
-    }
-    let found = length(&a.displacements(h));
-    if h.longest != found || found > MAX_DISPLACEMENT {
-        let expected = format!("{found}, at most {MAX_DISPLACEMENT:e} m");
-        return Err(("the longest displacement", h.longest.to_string(), expected));
     }
     Ok(())
 }

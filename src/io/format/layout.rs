@@ -1,9 +1,8 @@
 //! The layout of a file: header, table of sections, records. docs/format.md describes every byte.
 
 use crate::base::error::Error;
-use crate::base::tasks::TaskSystem;
-use crate::base::tasks::map;
-use bytemuck::{Pod, Zeroable};
+use crate::base::tasks::{TaskSystem, map};
+use bytemuck::{CheckedBitPattern, Pod, Zeroable};
 use twox_hash::XxHash3_64;
 
 /// The first bytes of every file. The last of them reveals a text conversion.
@@ -55,7 +54,7 @@ impl Entry {
 }
 
 /// The content of a section.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, CheckedBitPattern)]
 #[repr(u32)]
 pub(super) enum Id {
     Set = 1,
@@ -89,37 +88,10 @@ pub(super) enum Id {
 }
 
 impl Id {
-    /// All sections with their names.
-    pub(super) const ALL: [(Id, &'static str); 28] = [
-        (Id::Set, "set"),
-        (Id::Examples, "examples"),
-        (Id::Names, "names"),
-        (Id::Masses, "masses"),
-        (Id::Rule, "rule"),
-        (Id::Mesh, "mesh"),
-        (Id::Positions, "positions"),
-        (Id::Normals, "normals"),
-        (Id::Tangents, "tangents"),
-        (Id::Triangles, "triangles"),
-        (Id::Weld, "weld"),
-        (Id::ContactNormals, "contact normals"),
-        (Id::RimBlocks, "rim blocks"),
-        (Id::RimWindows, "rim windows"),
-        (Id::RimHeld, "rim held"),
-        (Id::Anchored, "anchored"),
-        (Id::Heads, "heads"),
-        (Id::Words, "words"),
-        (Id::IndexInner, "index inner"),
-        (Id::IndexLeaves, "index leaves"),
-        (Id::DepthLimits, "depth limits"),
-        (Id::Gives, "gives"),
-        (Id::Tiles, "tiles"),
-        (Id::TileNodes, "tile nodes"),
-        (Id::Weights, "weights"),
-        (Id::Slopes, "slopes"),
-        (Id::SlopeUnits, "slope units"),
-        (Id::SourceOrder, "source order"),
-    ];
+    /// The content of this number.
+    pub(super) fn of(number: u32) -> Option<Id> {
+        bytemuck::checked::try_cast(number).ok()
+    }
 
     /// Whether each mesh has its own section of this kind.
     pub(super) fn of_mesh(self) -> bool {
@@ -130,8 +102,16 @@ impl Id {
         if self == Id::SourceOrder { Entry::OPTIONAL } else { 0 }
     }
 
-    pub(super) fn name(self) -> &'static str {
-        Id::ALL.iter().find(|(id, _)| *id == self).map_or("", |(_, name)| name)
+    /// Its name in errors: that of `ContactNormals` is "contact normals".
+    pub(super) fn name(self) -> String {
+        let mut out = String::new();
+        for c in format!("{self:?}").chars() {
+            if c.is_uppercase() && !out.is_empty() {
+                out.push(' ');
+            }
+            out.extend(c.to_lowercase());
+        }
+        out
     }
 }
 

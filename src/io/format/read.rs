@@ -69,7 +69,7 @@ impl<'a> File<'a> {
             end = last.ok_or_else(|| {
                 wrong(name("the length"), e.length, format!("within the file: it begins at {}", e.offset))
             })?;
-            match Id::ALL.into_iter().map(|(id, _)| id).find(|id| *id as u32 == e.id) {
+            match Id::of(e.id) {
                 Some(id) if e.flags == id.flags() => file.sections.push(((id, e.mesh), e)),
                 Some(id) => return Err(wrong(name("flags"), e.flags, id.flags())),
                 None if e.flags & Entry::OPTIONAL != 0 => {}

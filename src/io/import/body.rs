@@ -6,10 +6,10 @@ use super::join::{self, Group};
 use super::nodes::Nodes;
 use super::piece::{Body, Piece};
 use super::primitives::{deltas, primitives, target_count};
-use super::reading::{Mark, Marks, MeshChoice, Patterns, Reading};
+use super::reading::{Marks, MeshChoice, Patterns, Reading};
 use super::surface::Surface;
 use super::words::{cut, listed, some};
-use super::{malformed, notes};
+use super::{PartKind, malformed, notes};
 use crate::base::error::Error;
 use crate::example::data::{Deltas, ExampleData};
 use glam::{DMat3, DMat4, DVec3};
@@ -115,7 +115,7 @@ impl<'d> Source<'_, 'd, '_> {
                 "{count} of the nodes that show this mesh, such as '{name}', show it with other weights and are not dented"
             ));
         }
-        let alone = Group { name: None, mark: piece.mark, pieces: vec![piece] };
+        let alone = Group { name: None, kind: piece.kind, pieces: vec![piece] };
         let mut body = join::joined(self.doc, vec![alone], notes)?;
         let piece = &body.pieces[0];
         body.imported.name = self.doc.value["meshes"][piece.mesh]["name"].as_str().unwrap_or_default().to_owned();
@@ -290,16 +290,16 @@ impl<'d> Source<'_, 'd, '_> {
             let node = node.unwrap_or_default();
             return Err(malformed(format!("the world matrix of node {node} has no inverse; a scale of it is 0")));
         }
-        let mark = |material: Option<usize>| self.marks.of_primitive(shown_by, mesh, material);
-        let marks: Vec<Mark> = primitives.iter().map(|primitive| mark(primitive.material())).collect();
+        let kind = |material: Option<usize>| self.marks.of_primitive(shown_by, mesh, material);
+        let kinds: Vec<PartKind> = primitives.iter().map(|primitive| kind(primitive.material())).collect();
         Ok(Piece {
             mesh,
             nodes,
             name: node.map_or_else(String::new, |node| self.nodes.name(node)),
             shown,
             // A node all of whose materials are glass is glass.
-            mark: marks.iter().copied().reduce(|a, b| if a == b { a } else { mark(None) }).unwrap_or(Mark::Dents),
-            marks,
+            kind: kinds.iter().copied().reduce(|a, b| if a == b { a } else { kind(None) }).unwrap_or_default(),
+            kinds,
             surface,
             primitives,
             dents,

@@ -109,36 +109,39 @@ impl<'a> Document<'a> {
         let not_json = |e: serde_json::Error| malformed(format!("the glTF's JSON: {e}"));
         let value: Value = serde_json::from_str(&text).map_err(not_json)?;
         check_version(&value)?;
-        let document = Self {
-            accessors: list(&value, "accessors")?,
-            buffers: list(&value, "buffers")?,
-            views: list(&value, "bufferViews")?,
+        let (accessors, buffers, views) =
+            (list(&value, "accessors")?, list(&value, "buffers")?, list(&value, "bufferViews")?);
+        Ok(Self {
+            loaded: (0..buffers.len()).map(|_| OnceCell::new()).collect(),
+            unpacked: (0..views.len()).map(|_| OnceCell::new()).collect(),
+            accessors,
+            buffers,
+            views,
             meshes: list(&value, "meshes")?,
             nodes: list(&value, "nodes")?.0.into_iter().collect::<Result<_, _>>()?,
             bin,
             chunks,
             base_dir,
-            loaded: Vec::new(),
-            unpacked: Vec::new(),
             budget: Budget { loaded: Cell::new(bytes.len() as u64), decoded: Cell::new(0) },
             value,
-        };
-        let loaded = (0..document.buffers.len()).map(|_| OnceCell::new()).collect();
-        let unpacked = (0..document.views.len()).map(|_| OnceCell::new()).collect();
-        Ok(Self { loaded, unpacked, ..document })
+        })
+    }
+
+    /// One of the root's lists as plain values; empty if it is absent or no list.
+    pub fn list(&self, key: &str) -> &[Value] {
+        self.value[key].as_array().map(Vec::as_slice).unwrap_or_default()
     }
 
     /// Whether the file says that meshes are compressed with Draco.
     pub fn uses_draco(&self) -> bool {
-        let lists = ["extensionsRequired", "extensionsUsed"].map(|key| self.value[key].as_array());
-        lists.into_iter().flatten().flatten().any(|name| name == "KHR_draco_mesh_compression")
+        let lists = ["extensionsRequired", "extensionsUsed"].map(|key| self.list(key));
+        lists.into_iter().flatten().any(|name| name == "KHR_draco_mesh_compression")
     }
 
     /// The extensions that the file requires and that this library does not know.
     pub fn unknown_requirements(&self) -> Vec<&str> {
         let known = |name: &str| KNOWN.iter().any(|k| *k == name || (k.ends_with('_') && name.starts_with(k)));
-        let required = self.value["extensionsRequired"].as_array().map(Vec::as_slice).unwrap_or_default();
-        required.iter().filter_map(Value::as_str).filter(|name| !known(name)).collect()
+        self.list("extensionsRequired").iter().filter_map(Value::as_str).filter(|name| !known(name)).collect()
     }
 
     /// The bytes of a buffer, exactly as many as the file states.

@@ -3,7 +3,6 @@
 use super::document::Document;
 use super::nodes::Nodes;
 use super::piece::{Body, Piece};
-use super::reading::Mark;
 use super::surface::{perpendicular, smooth};
 use super::words::cut;
 use super::{Imported, Part, PartKind, PrimitiveRange, unsupported, whole};
@@ -27,7 +26,7 @@ const COMPARED: usize = 256;
 pub(super) struct Group<'d> {
     /// `None` for a mesh in its own space, which is no part.
     pub name: Option<String>,
-    pub mark: Mark,
+    pub kind: PartKind,
     pub pieces: Vec<Piece<'d>>,
 }
 
@@ -50,13 +49,12 @@ pub(super) fn joined<'d>(
         for mut piece in group.pieces {
             piece.first_vertex = next.0;
             let mesh = piece.placed();
-            for (primitive, mark) in piece.primitives.iter().zip(&piece.marks) {
+            for (primitive, kind) in piece.primitives.iter().zip(&piece.kinds) {
                 let range = primitive.range(doc, next)?;
-                if *mark == Mark::Glass && (piece.mark != Mark::Glass || group.name.is_none()) {
+                if *kind == PartKind::Glass && (piece.kind != PartKind::Glass || group.name.is_none()) {
                     let name = range.material.clone().unwrap_or_else(|| primitive.name.clone());
                     let PrimitiveRange { first_vertex, vertex_count, first_triangle, triangle_count, .. } = range;
-                    let kind = PartKind::Glass;
-                    glass.push(Part { name, kind, first_vertex, vertex_count, first_triangle, triangle_count });
+                    glass.push(Part { name, kind: *kind, first_vertex, vertex_count, first_triangle, triangle_count });
                 }
                 primitives.push(range);
             }
@@ -68,11 +66,7 @@ pub(super) fn joined<'d>(
         }
         parts.extend(group.name.map(|name| Part {
             name,
-            kind: match group.mark {
-                Mark::Dents => PartKind::Dents,
-                Mark::Glass => PartKind::Glass,
-                Mark::Rigid | Mark::Moving => PartKind::Rigid,
-            },
+            kind: group.kind,
             first_vertex: first.0 as u32,
             vertex_count: (next.0 - first.0) as u32,
             first_triangle: first.1 as u32,
@@ -106,15 +100,15 @@ pub(super) fn grouped<'d>(
     nodes: &Nodes<'_, '_>,
     notes: &mut Vec<String>,
 ) -> Result<Vec<Group<'d>>, Error> {
-    let is_glass = |piece: &Piece<'_>| piece.mark != Mark::Glass && piece.marks.contains(&Mark::Glass);
+    let is_glass = |piece: &Piece<'_>| piece.kind != PartKind::Glass && piece.kinds.contains(&PartKind::Glass);
     let most = (MAX_MESHES - 1).saturating_sub(pieces.iter().filter(|piece| is_glass(piece)).count());
     if pieces.len() <= most {
-        let alone = |piece: Piece<'d>| Group { name: Some(piece.name.clone()), mark: piece.mark, pieces: vec![piece] };
+        let alone = |piece: Piece<'d>| Group { name: Some(piece.name.clone()), kind: piece.kind, pieces: vec![piece] };
         return Ok(pieces.into_iter().map(alone).collect());
     }
-    // The others are one part for each mark.
-    let marks: HashSet<u8> = pieces.iter().map(|piece| piece.mark as u8).collect();
-    let kept = most.saturating_sub(marks.len()).max(1);
+    // The others are one part for each kind.
+    let kinds: HashSet<u8> = pieces.iter().map(|piece| piece.kind as u8).collect();
+    let kept = most.saturating_sub(kinds.len()).max(1);
     let mut by_size: Vec<usize> = (0..pieces.len()).collect();
     by_size.sort_by_key(|i| (Reverse(pieces[*i].surface.data.positions.len()), *i));
     by_size.truncate(kept);
@@ -122,17 +116,17 @@ pub(super) fn grouped<'d>(
     let of_node: HashMap<usize, usize> =
         by_size.iter().enumerate().flat_map(|(g, i)| pieces[*i].nodes.iter().map(move |node| (*node, g))).collect();
     let nearest = nodes.inherited(None, |node, above: &Option<usize>| of_node.get(&node).copied().or(*above));
-    let empty = |name: &str, mark: Mark| Group { name: Some(name.to_owned()), mark, pieces: Vec::new() };
-    let mut groups: Vec<Group<'d>> = by_size.iter().map(|i| empty(&pieces[*i].name, pieces[*i].mark)).collect();
+    let empty = |name: &str, kind: PartKind| Group { name: Some(name.to_owned()), kind, pieces: Vec::new() };
+    let mut groups: Vec<Group<'d>> = by_size.iter().map(|i| empty(&pieces[*i].name, pieces[*i].kind)).collect();
     let (mut others, mut small, count) = ([None; 3], 0, pieces.len());
     for piece in pieces {
-        let above = piece.nodes.first().and_then(|node| nearest[*node]).filter(|g| groups[*g].mark == piece.mark);
+        let above = piece.nodes.first().and_then(|node| nearest[*node]).filter(|g| groups[*g].kind == piece.kind);
         let own = piece.nodes.first().and_then(|node| of_node.get(node)).is_some();
         small += usize::from(!own);
-        let slot = &mut others[piece.mark.min(Mark::Rigid) as usize];
+        let slot = &mut others[piece.kind as usize];
         let g = above.or(*slot).unwrap_or_else(|| {
-            let name = ["others", "other glass", "other rigid parts"][piece.mark.min(Mark::Rigid) as usize];
-            groups.push(empty(name, piece.mark));
+            let name = ["others", "other rigid parts", "other glass"][piece.kind as usize];
+            groups.push(empty(name, piece.kind));
             *slot.insert(groups.len() - 1)
         });
         groups[g].pieces.push(piece);

@@ -100,14 +100,13 @@ impl<'d, 'a> Nodes<'d, 'a> {
         let indices = |value: &Value| -> HashSet<usize> {
             value.as_array().into_iter().flatten().filter_map(|i| usize::try_from(whole(i)?).ok()).collect()
         };
-        let list = |key: &str| self.doc.value[key].as_array().map(Vec::as_slice).unwrap_or_default();
         let shown = whole(&self.doc.value["scene"]).map_or(0, |scene| scene as usize);
         let (mut own, mut others) = (HashSet::new(), HashSet::new());
-        for (i, scene) in list("scenes").iter().enumerate() {
+        for (i, scene) in self.doc.list("scenes").iter().enumerate() {
             if i == shown { &mut own } else { &mut others }.extend(indices(&scene["nodes"]));
         }
         others.retain(|node| !own.contains(node));
-        others.extend(list("nodes").iter().flat_map(|node| indices(&node["extensions"]["MSFT_lod"]["ids"])));
+        others.extend(self.doc.list("nodes").iter().flat_map(|node| indices(&node["extensions"]["MSFT_lod"]["ids"])));
         let aside = self.inherited(false, |node, above| *above || others.contains(&node));
         let any = self.doc.nodes.iter().zip(&aside).any(|(node, aside)| !aside && node.mesh.is_some());
         if any { aside } else { vec![false; aside.len()] }

@@ -1,10 +1,9 @@
 //! The pieces of a body: meshes of the file, and how they lie in the body.
 
-use super::Imported;
 use super::document::Document;
 use super::primitives::{Primitive, deltas};
-use super::reading::Mark;
 use super::surface::Surface;
+use super::{Imported, PartKind};
 use crate::base::error::Error;
 use crate::base::math::to_f32;
 use crate::example::data::{Contact, Deltas, ExampleData};
@@ -35,9 +34,9 @@ pub(crate) struct Piece<'d> {
     /// From the mesh's own space to the body's, m.
     pub to_body: DMat4,
     pub first_vertex: usize,
-    /// The mark of the node, and of each primitive.
-    pub(super) mark: Mark,
-    pub(super) marks: Vec<Mark>,
+    /// What the node does when it is hit, and each primitive.
+    pub(super) kind: PartKind,
+    pub(super) kinds: Vec<PartKind>,
     pub(super) examples: Vec<ExampleData>,
 }
 
@@ -51,9 +50,10 @@ impl Piece<'_> {
     /// Its arrays in the body's space.
     pub(super) fn placed(&self) -> MeshData {
         let mut mesh = self.surface.data.clone();
-        if self.marks.contains(&Mark::Rigid) {
+        if self.kinds.contains(&PartKind::Rigid) {
             let stiffness = mesh.stiffness.get_or_insert_with(|| vec![0.0; mesh.positions.len()]);
-            for (primitive, _) in self.primitives.iter().zip(&self.marks).filter(|(_, mark)| **mark == Mark::Rigid) {
+            for (primitive, _) in self.primitives.iter().zip(&self.kinds).filter(|(_, kind)| **kind == PartKind::Rigid)
+            {
                 stiffness[primitive.vertices()].fill(1.0);
             }
         }

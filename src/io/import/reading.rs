@@ -1,9 +1,9 @@
 //! What of a file is read: which mesh or nodes, which morph targets are dents, and what does not dent.
 
 use super::document::Document;
-use super::malformed;
 use super::nodes::Nodes;
 use super::words::{brief, listed};
+use super::{PartKind, malformed};
 use crate::base::error::Error;
 use serde_json::Value;
 use wildmatch::WildMatch;
@@ -152,8 +152,8 @@ impl Found {
 }
 
 /// What a piece of the body does when it is hit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Mark {
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Mark {
     Dents,
     Glass,
     Rigid,
@@ -209,11 +209,10 @@ struct Hints {
 
 impl<'r> Marks<'r> {
     pub(super) fn of(doc: &Document<'_>, nodes: &Nodes<'_, '_>, reading: &'r Reading<'r>) -> Result<Self, Error> {
-        let list = |key: &str| doc.value[key].as_array().map(Vec::as_slice).unwrap_or_default();
         let names: Vec<String> = (0..doc.nodes.len()).map(|node| nodes.name(node)).collect();
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         let material_names: Vec<&str> =
-            list("materials").iter().map(|material| material["name"].as_str().unwrap_or_default()).collect();
+            doc.list("materials").iter().map(|material| material["name"].as_str().unwrap_or_default()).collect();
         let all = [names.as_slice(), &material_names].concat();
         reading.rigid.all_match("what is rigid", &all)?;
         reading.glass.all_match("glass", &all)?;
@@ -221,7 +220,7 @@ impl<'r> Marks<'r> {
         let patterns = [&reading.moving, &reading.rigid, &reading.glass];
         let marks = |key: &'static str| {
             let of = |(i, element)| mark_in(element, || format!("{key}[{i}]"));
-            list(key).iter().enumerate().map(of).collect::<Result<Vec<Mark>, Error>>()
+            doc.list(key).iter().enumerate().map(of).collect::<Result<Vec<Mark>, Error>>()
         };
         let hints = |name: &str, extras: Mark| Hints { found: patterns.map(|list| list.found(name)), extras };
         let of_nodes = marks("nodes")?;
@@ -260,12 +259,13 @@ impl<'r> Marks<'r> {
         (0..self.taken.len()).filter(is_chosen).partition(|node| !self.aside[*node])
     }
 
-    /// The mark of a primitive.
-    pub(super) fn of_primitive(&self, node: Option<usize>, mesh: usize, material: Option<usize>) -> Mark {
+    /// What a primitive does when it is hit.
+    pub(super) fn of_primitive(&self, node: Option<usize>, mesh: usize, material: Option<usize>) -> PartKind {
         match self.decide(node, Some(mesh), material) {
+            Mark::Dents => PartKind::Dents,
+            Mark::Glass => PartKind::Glass,
             // A primitive cannot be left out of its mesh.
-            Mark::Moving => Mark::Rigid,
-            mark => mark,
+            Mark::Rigid | Mark::Moving => PartKind::Rigid,
         }
     }
 
