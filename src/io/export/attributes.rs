@@ -1,7 +1,6 @@
 //! The vertices of a piece as the file holds them: which of them changed, and new accessors for those.
 
-use super::Vertices;
-use super::rewrite::Rewrite;
+use super::vertices::{Rewrite, Vertices};
 use crate::base::error::Error;
 use crate::base::math::{to_f32, unit};
 use crate::io::glb::{ARRAY_BUFFER, kind, set_bounds};

@@ -1,6 +1,6 @@
 //! Merges all buffers into the GLB's one and drops what nothing uses any more.
 
-use super::rewrite::Rewrite;
+use super::vertices::Rewrite;
 use crate::base::error::Error;
 use crate::io::glb::{Glb, container, list_mut, remove_within};
 use crate::io::import::document::Document;

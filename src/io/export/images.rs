@@ -1,6 +1,6 @@
 //! Embeds images of separate files. An image that cannot be embedded keeps its uri: it never stops a dent.
 
-use super::rewrite::Rewrite;
+use super::vertices::Rewrite;
 use crate::io::import::document::Document;
 use crate::io::import::uri::{self, UriTarget};
 use crate::io::import::words::cut;

@@ -18,24 +18,19 @@
 
 use crate::base::error::Error;
 use crate::io::glb::{Glb, new_root};
-use crate::io::import::{Reading, finite};
+use crate::io::import::Reading;
 use serde_json::json;
 use std::path::Path;
+use vertices::Vertices;
 
 mod attributes;
 mod compact;
 mod images;
 mod rewrite;
 mod targets;
+mod vertices;
 
-/// A written file.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Exported {
-    /// The GLB's bytes.
-    pub glb: Vec<u8>,
-    /// What could not be kept as it was, such as images that were not found: a sentence each, for people.
-    pub notes: Vec<String>,
-}
+pub use vertices::Exported;
 
 /// Rewrites a glTF (`.glb` or `.gltf`) with the deformed vertices of a mesh, or of a body of nodes.
 ///
@@ -108,32 +103,4 @@ pub fn mesh_glb(
     }
     glb.root["meshes"] = json!([{ "name": name, "primitives": [primitive] }]);
     glb.finish()
-}
-
-/// Deformed vertices.
-#[derive(Clone, Copy)]
-struct Vertices<'a> {
-    positions: &'a [[f32; 3]],
-    normals: Option<&'a [[f32; 3]]>,
-    tangents: Option<&'a [[f32; 4]]>,
-}
-
-impl Vertices<'_> {
-    /// They must be the right number and finite.
-    fn check(&self, count: usize) -> Result<(), Error> {
-        each(count, self.positions, "positions")?;
-        self.normals.map_or(Ok(()), |n| each(count, n, "normals"))?;
-        self.tangents.map_or(Ok(()), |t| each(count, t, "tangents"))
-    }
-}
-
-fn each<const N: usize>(count: usize, values: &[[f32; N]], name: &str) -> Result<(), Error> {
-    if values.len() != count {
-        return Err(Error::invalid(
-            &format!("{name}.len()"),
-            values.len(),
-            &format!("{count}, as many as the mesh has vertices"),
-        ));
-    }
-    values.iter().enumerate().try_for_each(|(i, v)| finite(*v, || format!("{name}[{i}]")).map(drop))
 }

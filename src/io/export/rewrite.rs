@@ -2,7 +2,8 @@
 
 use super::attributes::{Changes, push_changed};
 use super::targets::Kept;
-use super::{Exported, Vertices, compact, images, targets};
+use super::vertices::{Exported, Rewrite, Vertices};
+use super::{compact, images, targets};
 use crate::base::error::Error;
 use crate::base::math::Aabb;
 use crate::io::glb::{Glb, remove_within};
@@ -19,13 +20,6 @@ use glam::Vec3;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::path::Path;
-
-/// A file that is being rewritten.
-pub(super) struct Rewrite<'d> {
-    pub doc: &'d Document<'d>,
-    pub glb: Glb,
-    pub notes: Vec<String>,
-}
 
 pub(super) fn deformed(
     source: &[u8],

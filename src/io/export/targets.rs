@@ -1,7 +1,7 @@
 //! Removes the morph targets that are dents. Other targets keep their weights, names and animation.
 
 use super::compact;
-use super::rewrite::Rewrite;
+use super::vertices::Rewrite;
 use crate::io::glb::{list_mut, remove_within};
 use crate::io::import::accessor::Accessor;
 use crate::io::import::whole;

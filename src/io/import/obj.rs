@@ -1,10 +1,11 @@
 //! Makes a glTF of a base OBJ and example OBJs, so that everything else reads and writes glTF only.
 
+use super::body::gltf_slice;
 use super::obj_text::{Corner, Face, ObjText};
 use super::reading::{MeshChoice, Patterns};
 use super::surface::smooth;
 use super::words::quoted;
-use super::{Imported, finite, gltf_slice, mtl, uri};
+use super::{Imported, finite, mtl, uri};
 use crate::base::error::Error;
 use crate::io::glb::{Glb, new_root, set_bounds};
 use bytemuck::cast_slice;

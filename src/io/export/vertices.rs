@@ -1,0 +1,50 @@
+//! The vertices that an export takes, the file that it rewrites, and what it returns.
+
+use crate::base::error::Error;
+use crate::io::glb::Glb;
+use crate::io::import::document::Document;
+use crate::io::import::finite;
+
+/// A written file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Exported {
+    /// The GLB's bytes.
+    pub glb: Vec<u8>,
+    /// What could not be kept as it was, such as images that were not found: a sentence each, for people.
+    pub notes: Vec<String>,
+}
+
+/// A file that is being rewritten.
+pub(super) struct Rewrite<'d> {
+    pub doc: &'d Document<'d>,
+    pub glb: Glb,
+    pub notes: Vec<String>,
+}
+
+/// Deformed vertices.
+#[derive(Clone, Copy)]
+pub(super) struct Vertices<'a> {
+    pub positions: &'a [[f32; 3]],
+    pub normals: Option<&'a [[f32; 3]]>,
+    pub tangents: Option<&'a [[f32; 4]]>,
+}
+
+impl Vertices<'_> {
+    /// They must be the right number and finite.
+    pub fn check(&self, count: usize) -> Result<(), Error> {
+        each(count, self.positions, "positions")?;
+        self.normals.map_or(Ok(()), |n| each(count, n, "normals"))?;
+        self.tangents.map_or(Ok(()), |t| each(count, t, "tangents"))
+    }
+}
+
+fn each<const N: usize>(count: usize, values: &[[f32; N]], name: &str) -> Result<(), Error> {
+    if values.len() != count {
+        return Err(Error::invalid(
+            &format!("{name}.len()"),
+            values.len(),
+            &format!("{count}, as many as the mesh has vertices"),
+        ));
+    }
+    values.iter().enumerate().try_for_each(|(i, v)| finite(*v, || format!("{name}[{i}]")).map(drop))
+}
