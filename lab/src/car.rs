@@ -1,11 +1,12 @@
 //! The project's car in films: Rapier moves it, the contact layer tells of its contacts, and Crumple writes the vertices that are drawn.
 
 use std::fs;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::{Context, Result};
-use crumple::import::{MeshChoice, Part, Patterns, Reading, gltf_slice};
+use crumple::import::{MeshChoice, Part, PartKind, Patterns, Reading, gltf_slice};
 use crumple::{
     Aabb, Attachment, BasisOptions, ExampleSet, Instance, InstanceOptions, MeshData, SetOptions, ThreadPool, Tracker,
     VertexMemory,
@@ -29,9 +30,8 @@ const MASS: f32 = 1200.0;
 const GIVE: SpringCoefficients<f32> = SpringCoefficients { natural_frequency: 3.0, damping_ratio: 0.7 };
 /// What cars meet.
 const DRIVES: InteractionGroups = InteractionGroups::new(Group::GROUP_1, Group::GROUP_1, InteractionTestMode::And);
-/// Glass breaks when a part of it has moved this far, m, and then it looks so.
+/// Glass breaks when a part of it has moved this far, m.
 pub const GLASS_HOLDS: f32 = 0.012;
-pub const CRAZED: Coat = Coat { paint: Vec3::new(0.33, 0.36, 0.37), flakes: Vec3::ZERO, gloss: 0.05 };
 /// Radius of a wheel, m.
 const WHEEL: f32 = 0.335;
 /// Vertices above this height are the greenhouse's, m.
@@ -167,6 +167,10 @@ impl Model {
     pub fn wheel(&self, part: usize) -> Option<&Wheel> {
         self.wheels.iter().find(|wheel| wheel.part == part)
     }
+}
+
+fn triangles_of(part: &Part) -> Range<u32> {
+    part.first_triangle..part.first_triangle + part.triangle_count
 }
 
 fn is_wheel(part: &Part) -> bool {
@@ -317,7 +321,7 @@ pub struct Shown {
 }
 
 impl Shown {
-    /// Adds a part of a car. `lod` is the level that the vertices are of.
+    /// Adds a part of a car, without its panes, which are parts of their own. `lod` is the level that the vertices are of.
     pub fn add(
         &mut self,
         (model, lod, part): (&Model, usize, usize),
@@ -333,8 +337,10 @@ impl Shown {
         self.normals.extend(normals[own.clone()].iter().map(|n| at.transform_vector3(Vec3::from_array(*n))));
         self.coat_of.extend(coat_of[own].iter().map(|of| coat(*of)));
         let triangles = model.set.lod_mesh(lod)?.triangles();
-        let triangles = &triangles[part.first_triangle as usize..][..part.triangle_count as usize];
-        self.triangles.extend(triangles.iter().map(|t| t.map(|v| v - part.first_vertex + first)));
+        let panes: Vec<_> = parts.iter().filter(|p| p.kind == PartKind::Glass).map(triangles_of).collect();
+        let is_pane = |t: &u32| part.kind != PartKind::Glass && panes.iter().any(|pane| pane.contains(t));
+        let own = triangles_of(part).filter(|t| !is_pane(t));
+        self.triangles.extend(own.map(|t| triangles[t as usize].map(|v| v - part.first_vertex + first)));
         Ok(())
     }
 

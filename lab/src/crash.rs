@@ -11,7 +11,7 @@ use rapier3d::prelude::{ColliderBuilder, Group, InteractionGroups, InteractionTe
 
 use crate::Options;
 use crate::car::{
-    self, CRAZED, Car, Dented, GLASS_HOLDS, Shown, UP, corners, frames, moving, pose, vector, world, write_frame,
+    self, Car, Dented, GLASS_HOLDS, Shown, UP, corners, frames, moving, pose, vector, world, write_frame,
 };
 use crate::peers::rapier_contacts::RapierContacts;
 use crate::pictures::picture::{Camera, Coat, Finish, Margins, View, photograph};
@@ -36,6 +36,11 @@ const POST: f32 = 0.13;
 const HEIGHT: f32 = 0.95;
 /// So long after its crash the second car backs off, s, and how fast, m/s.
 const BACK_OFF: (f32, f32) = (0.7, 1.5);
+/// Broken glass, its cracks, their width and the size of the pieces where it broke, m.
+const DULL: Coat = Coat { paint: Vec3::new(0.07, 0.08, 0.085), flakes: Vec3::ZERO, gloss: 0.35 };
+const CRACK: Coat = Coat { paint: Vec3::new(0.42, 0.46, 0.48), flakes: Vec3::ZERO, gloss: 0.0 };
+const CRACK_WIDTH: f32 = 0.006;
+const PIECE: f32 = 0.05;
 /// What the film has room for, m: the floor, the light and the shadows are the same in all frames.
 const STAGE: [Vec3; 2] = [Vec3::new(-3.0, 0.0, -9.0), Vec3::new(12.8, 1.7, 0.8)];
 /// What the camera sees, m.
@@ -87,6 +92,14 @@ impl Model {
             }
         }
         Ok(Model { car, bumper: bumper.context("the car has no bumper_front")?, glass })
+    }
+}
+
+impl Model {
+    /// Whether a pane looks ahead or back.
+    fn is_windscreen(&self, part: usize) -> bool {
+        let Aabb { min, max } = Aabb::of(&self.car.set.mesh().positions()[self.car.levels[0].parts[part].vertices()]);
+        min.x < 0.0 && max.x > 0.0
     }
 }
 
@@ -165,8 +178,8 @@ impl Scene {
         let mut shown = Shown { coats: self.model.car.coats.clone(), ..Shown::default() };
         let model = self.model.clone();
         let steel = Coat { paint: Vec3::splat(0.2), flakes: Vec3::splat(0.05), gloss: 0.2 };
-        shown.coats.extend([steel, CRAZED]);
-        let (steel, crazed) = (shown.coats.len() - 2, shown.coats.len() - 1);
+        shown.coats.extend([steel, DULL, CRACK]);
+        let steel = shown.coats.len() - 3;
         for crashed in &mut self.cars {
             let dented = &mut crashed.car.dented;
             dented.deform(pool)?;
@@ -189,7 +202,6 @@ impl Scene {
                 let glass = model.glass.iter().find(|(_, of)| *of == i);
                 let is_broken = glass.is_some_and(|(lod, _)| crashed.broken.contains(lod));
                 let coat = |coat: f32| match coat {
-                    _ if is_broken => crazed as f32,
                     coat if coat == model.car.paint as f32 => own,
                     coat => coat,
                 };
@@ -201,7 +213,19 @@ impl Scene {
                     }
                     _ => (&car.dented, place),
                 };
+                let first = shown.triangles.len();
                 shown.add((&model.car, 0, i), dented, at, coat)?;
+                if is_broken {
+                    // Side windows fall out, and windscreens hold together.
+                    let pane = shown.triangles.split_off(first);
+                    if model.is_windscreen(i) {
+                        let vertices = model.car.levels[0].parts[i].vertices();
+                        let at_rest = &model.car.set.mesh().positions()[vertices.clone()];
+                        let moved = |v: usize| Vec3::from(dented.positions[vertices.start + v]).distance(at_rest[v]);
+                        let broke = (0..at_rest.len()).max_by(|a, b| moved(*a).total_cmp(&moved(*b)));
+                        shown.cracked(&pane, at_rest, at_rest[broke.unwrap_or(0)], steel + 1);
+                    }
+                }
             }
         }
         shown.post(steel as f32);
@@ -231,6 +255,35 @@ impl Bumper {
 }
 
 impl Shown {
+    /// Adds a pane with cracks around the point where it broke. `at_rest` are the last vertices that were added, before the crash.
+    /// `dull` is the index of broken glass among the coats, and that of the cracks is the next.
+    fn cracked(&mut self, pane: &[[u32; 3]], at_rest: &[Vec3], broke: Vec3, dull: usize) {
+        let before = self.positions.len() - at_rest.len();
+        for t in pane {
+            let rest = t.map(|v| at_rest[v as usize - before]);
+            let longest = (0..3).map(|k| rest[k].distance(rest[(k + 1) % 3])).fold(0.0, f32::max);
+            let n = (longest / (0.7 * CRACK_WIDTH)).ceil().clamp(1.0, 400.0) as u32;
+            let first = self.positions.len() as u32;
+            // Rows of 1, 2, … n + 1 vertices.
+            for (i, j) in (0..=n).flat_map(|i| (0..=i).map(move |j| (i, j))) {
+                let share = Vec3::new((n - i) as f32, (i - j) as f32, j as f32) / n as f32;
+                let mix = |of: [Vec3; 3]| of[0] * share.x + of[1] * share.y + of[2] * share.z;
+                let position = mix(t.map(|v| self.positions[v as usize]));
+                let normal = mix(t.map(|v| self.normals[v as usize]));
+                self.positions.push(position);
+                self.normals.push(normal);
+                self.coat_of.push((dull + usize::from(is_crack(mix(rest) - broke))) as f32);
+            }
+            let at = |i: u32, j: u32| first + i * (i + 1) / 2 + j;
+            for (i, j) in (0..n).flat_map(|i| (0..=i).map(move |j| (i, j))) {
+                self.triangles.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+                if j < i {
+                    self.triangles.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+                }
+            }
+        }
+    }
+
     /// Adds the post.
     fn post(&mut self, coat: f32) {
         const AROUND: u32 = 48;
@@ -250,4 +303,29 @@ impl Shown {
             self.triangles.extend([[i, i + 4, i + 1], [i + 1, i + 4, i + 5], [i + 2, i + 6, i + 3]]);
         }
     }
+}
+
+/// Whether a point, seen from where the pane broke, lies on the border of two pieces. They are the cells of points strewn over space
+/// (Worley 1996), and wider further away.
+fn is_crack(p: Vec3) -> bool {
+    let away = p.length().max(1e-6);
+    let narrower = 3.0 * PIECE * (away / (3.0 * PIECE)).ln_1p() / away;
+    let p = p * narrower;
+    let cell = (p / PIECE).floor();
+    let mut nearest = [f32::INFINITY; 2];
+    for k in 0..27 {
+        let there = cell + Vec3::new((k % 3) as f32, (k / 3 % 3) as f32, (k / 9) as f32) - 1.0;
+        let random = |salt: u32| {
+            let mix = |h: u32, x: &f32| (h ^ (*x as i32 as u32)).wrapping_mul(0x9E37_79B1).rotate_left(13);
+            let mixed = there.to_array().iter().fold(salt, mix);
+            (mixed.wrapping_mul(0x85EB_CA6B) >> 8) as f32 / (1 << 24) as f32
+        };
+        let d = p.distance((there + Vec3::new(random(1), random(2), random(3))) * PIECE);
+        if d < nearest[0] {
+            nearest = [d, nearest[0]];
+        } else if d < nearest[1] {
+            nearest[1] = d;
+        }
+    }
+    nearest[1] - nearest[0] < CRACK_WIDTH * narrower
 }

@@ -10,7 +10,7 @@ use glam::{Quat, Vec2, Vec3};
 use rapier3d::prelude::PhysicsWorld;
 
 use crate::Options;
-use crate::car::{CRAZED, Car, GLASS_HOLDS, Model, Shown, UP, corners, frames, pose, world, write_frame};
+use crate::car::{Car, GLASS_HOLDS, Model, Shown, UP, corners, frames, pose, world, write_frame};
 use crate::machine::Machine;
 use crate::metric::{median, quantile};
 use crate::peers::VERSION;
@@ -48,6 +48,8 @@ const FIELD: f32 = 0.28;
 /// Where it is, and where it looks, m.
 const EYE: Vec3 = Vec3::new(21.0, 23.0, 48.0);
 const TARGET: Vec3 = Vec3::new(0.0, 0.0, 6.6);
+/// How broken glass looks from afar.
+const CRAZED: Coat = Coat { paint: Vec3::new(0.33, 0.36, 0.37), flakes: Vec3::ZERO, gloss: 0.05 };
 /// Paints of the cars, linear.
 const PAINTS: [[f32; 3]; 8] = [
     [0.008, 0.075, 0.25],
