@@ -1,15 +1,15 @@
 //! The binary interface: what the library exports, and what programs built against the last release rely on (`docs/abi.md`).
 
 use std::collections::BTreeSet;
-use std::fs;
 use std::path::Path;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use object::Object;
 use xshell::cmd;
 
-use crate::declarations::{self, Form, INCLUDE};
-use crate::stage::Outcome;
+use crate::declarations::{self, INCLUDE};
+use crate::files::{bytes, files_of, read, write};
+use crate::stage::LeftOut;
 use crate::workspace::Workspace;
 
 /// Differences that abidiff does not report.
@@ -19,23 +19,22 @@ const SUPPRESSED: &str = "tests/abi/abidiff.suppressions";
 const RELEASED: &str = "tests/abi";
 
 /// Compares the headers with those of the last release of this SONAME.
-pub fn stage(workspace: &Workspace) -> Result<Outcome> {
+pub fn stage(workspace: &Workspace) -> Result<()> {
     let sh = &workspace.shell;
     let mut releases = Vec::new();
-    for entry in fs::read_dir(workspace.path(RELEASED))? {
-        let path = entry?.path();
+    for path in files_of(&workspace.path(RELEASED), &["h"])? {
         let version = path.file_stem().context("files have names")?.to_string_lossy().into_owned();
-        if path.extension().is_some_and(|end| end == "h") && soname(&version) == soname(&workspace.version) {
+        if soname(&version) == soname(&workspace.version) {
             let numbers: Vec<u32> = version.split('.').filter_map(|number| number.parse().ok()).collect();
             releases.push((numbers, version, path));
         }
     }
     let Some((_, version, path)) = releases.into_iter().max() else {
-        return Ok(Outcome::NotApplicable(format!("{RELEASED} has no release of version {}", workspace.version)));
+        bail!(LeftOut::NotApplicable(format!("{RELEASED} has no release of version {}", workspace.version)));
     };
     let scratch = tempfile::tempdir()?;
     let (released, present) = (scratch.path().join("released"), scratch.path().join("present"));
-    stand_in(workspace, &fs::read_to_string(path)?, &released)?;
+    stand_in(workspace, &read(&path)?, &released)?;
     stand_in(workspace, &declarations::read(&workspace.path(INCLUDE))?, &present)?;
     let (known, released, present) =
         (workspace.path(SUPPRESSED), released.with_extension("so"), present.with_extension("so"));
@@ -43,7 +42,7 @@ pub fn stage(workspace: &Workspace) -> Result<Outcome> {
         || format!("programs built against the headers of {version} do not fit these; docs/abi.md has the rules"),
     )?;
     println!("the headers break nothing for programs built against {version}");
-    Ok(Outcome::Passed)
+    Ok(())
 }
 
 /// Keeps the headers as those of a release of the present version.
@@ -51,34 +50,32 @@ pub fn keep(workspace: &Workspace) -> Result<()> {
     let text = declarations::read(&workspace.path(INCLUDE))?;
     let lines = text.lines().filter(|line| !line.trim().is_empty() && !line.trim_start().starts_with("//"));
     let file = format!("{RELEASED}/{}.h", workspace.version);
-    fs::write(workspace.path(&file), lines.flat_map(|line| [line, "\n"]).collect::<String>())?;
+    write(&workspace.path(&file), lines.flat_map(|line| [line, "\n"]).collect::<String>())?;
     println!("wrote {file}");
     Ok(())
 }
 
-/// The part of the version that is in the SONAME.
-fn soname(version: &str) -> Vec<&str> {
-    let parts = version.split('.');
-    if version.starts_with("0.") { parts.take(2).collect() } else { parts.take(1).collect() }
+/// The name under which programs load the library of a version: before 1.0 the minor version is in it. `build.rs` sets it.
+pub fn soname(version: &str) -> String {
+    let parts: Vec<&str> = version.split('.').take(if version.starts_with("0.") { 2 } else { 1 }).collect();
+    format!("libcrumple.so.{}", parts.join("."))
 }
 
 /// A shared library whose functions do nothing, with debug information about the headers' types. abidiff cannot compare the libraries
 /// themselves: their debug information is of lines alone.
 fn stand_in(workspace: &Workspace, header: &str, at: &Path) -> Result<()> {
     let mut text = format!("{header}\n");
-    for item in declarations::header(header)? {
-        if matches!(item.form, Form::Function { .. }) {
-            text += &format!("{} {{ for (;;) {{}} }}\n", item.text.trim_end_matches(';'));
-        }
+    for item in declarations::functions(header)? {
+        text += &format!("{} {{ for (;;) {{}} }}\n", item.text.trim_end_matches(';'));
     }
     let (source, library) = (at.with_extension("c"), at.with_extension("so"));
-    fs::write(&source, text)?;
+    write(&source, text)?;
     Ok(cmd!(workspace.shell, "cc -g -fPIC -shared {source} -o {library}").quiet().run()?)
 }
 
 /// The names that a shared library exports.
 pub fn exports(shared: &Path) -> Result<Vec<String>> {
-    let bytes = fs::read(shared).with_context(|| format!("reading {}", shared.display()))?;
+    let bytes = bytes(shared)?;
     let file = object::File::parse(&*bytes)?;
     // Apple's format puts an underscore before every C name.
     let bare = usize::from(file.format() == object::BinaryFormat::MachO);
@@ -89,10 +86,8 @@ pub fn exports(shared: &Path) -> Result<Vec<String>> {
 /// A shared library exports the functions that the headers of a folder declare, all of them and nothing else.
 pub fn exported(include: &Path, shared: &Path) -> Result<()> {
     let names: BTreeSet<String> = exports(shared)?.into_iter().collect();
-    let functions = declarations::header(&declarations::read(include)?)?
-        .into_iter()
-        .filter(|item| matches!(item.form, Form::Function { .. }));
-    let declared: BTreeSet<String> = functions.map(|item| item.name).collect();
+    let functions = declarations::functions(&declarations::read(include)?)?;
+    let declared: BTreeSet<String> = functions.into_iter().map(|item| item.name).collect();
     let (include, shared) = (include.display(), shared.display());
     let foreign: Vec<_> = names.difference(&declared).collect();
     ensure!(foreign.is_empty(), "{shared} exports {foreign:?}, which {include} does not declare");
@@ -106,7 +101,7 @@ pub fn exported(include: &Path, shared: &Path) -> Result<()> {
 mod tests {
     #[test]
     fn before_1_0_the_minor_version_is_in_the_soname() {
-        assert_eq!(super::soname("0.1.7"), ["0", "1"]);
-        assert_eq!(super::soname("2.1.7"), ["2"]);
+        assert_eq!(super::soname("0.1.7"), "libcrumple.so.0.1");
+        assert_eq!(super::soname("2.1.7"), "libcrumple.so.2");
     }
 }

@@ -3,14 +3,15 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use clap::Args;
 
+use crate::files::{copy, copy_into, empty_directory, files, read, write};
 use crate::godot::{BINDING, lay_out_generated};
-use crate::package::{archive, licenses, markdown};
+use crate::package::{archive, licenses, markdown, nothing_of_this_machine};
 use crate::target::{self, Target};
-use crate::tools::{self, Tool};
-use crate::workspace::{Workspace, cargo_home, empty_directory, files};
+use crate::tools::{self, MINGW, WINDOWS_RUST};
+use crate::workspace::Workspace;
 
 #[derive(Args)]
 pub struct Options {
@@ -31,8 +32,7 @@ const ADDON: &str = "addons/crumple";
 pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
     let mut targets = vec![Target::host(workspace)?];
     if options.windows {
-        let missing = tools::provide(workspace, &[Tool::WindowsRust, Tool::Mingw].into())?;
-        ensure!(missing.is_empty(), "{}", tools::advice(&missing));
+        tools::require(workspace, &[WINDOWS_RUST, MINGW])?;
         targets.push(Target::other(target::WINDOWS));
     }
     let stage = workspace.target.join("package/godot");
@@ -48,28 +48,24 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
     }
     for target in &targets {
         println!("Building for {}; the bindings of the whole engine take minutes.", target.triple);
-        let library = build(workspace, target)?;
-        let name = library.file_name().context("libraries have names")?;
-        copy(&library, &addon.join("bin").join(name))?;
+        copy_into(&build(workspace, target)?, &addon.join("bin"))?;
     }
-    let page = workspace.path(BINDING).join("README.md");
-    let page = fs::read_to_string(&page).with_context(|| format!("reading {}", page.display()))?;
-    fs::write(addon.join("README.md"), markdown::without_dead_links(&page, &addon))?;
+    let page = read(&workspace.path(BINDING).join("README.md"))?;
+    write(&addon.join("README.md"), markdown::without_dead_links(&page, &addon))?;
     for license in ["LICENSE-MIT", "LICENSE-APACHE"] {
-        copy(&workspace.path(license), &addon.join(license))?;
+        copy_into(&workspace.path(license), &addon)?;
     }
     let linked = licenses::linked_of(workspace, &manifest(workspace), &targets)?;
-    licenses::write(workspace, &linked, &addon.join(licenses::FILE))?;
+    licenses::write_all(workspace, &linked, &addon)?;
 
     let out = workspace.path(&options.out);
     fs::create_dir_all(&out).with_context(|| format!("creating {}", out.display()))?;
     let archive = out.join(format!("crumple-godot-{}.zip", workspace.version));
-    let file = fs::File::create(&archive).with_context(|| format!("creating {}", archive.display()))?;
-    archive::zip(&stage.join("addons"), file).with_context(|| format!("packing {}", archive.display()))?;
+    archive::zip(&stage.join("addons"), &archive)?;
     if options.demo {
         let (from, project) = (workspace.path(BINDING).join("project"), out.join("demo"));
         empty_directory(&project)?;
-        copy(&from.join("project.godot"), &project.join("project.godot"))?;
+        copy_into(&from.join("project.godot"), &project)?;
         for (folder, within) in [(&from, "demo"), (&stage, "addons")] {
             for file in files(&folder.join(within))? {
                 copy(&file, &project.join(file.strip_prefix(folder)?))?;
@@ -95,16 +91,6 @@ fn build(workspace: &Workspace, target: &Target) -> Result<PathBuf> {
     target.cargo(workspace, &what)?.run()?;
     let name = if target.is_windows() { "crumple_godot.dll" } else { "libcrumple_godot.so" };
     let library = if target.cross { directory.join(&target.triple) } else { directory }.join("release").join(name);
-    let bytes = fs::read(&library).with_context(|| format!("reading {}", library.display()))?;
-    for place in [workspace.root.clone(), cargo_home()?] {
-        let found = memchr::memmem::find(&bytes, place.display().to_string().as_bytes());
-        ensure!(found.is_none(), "{} names {}, a folder of this machine", library.display(), place.display());
-    }
+    nothing_of_this_machine(workspace, std::slice::from_ref(&library))?;
     Ok(library)
-}
-
-fn copy(from: &Path, to: &Path) -> Result<()> {
-    fs::create_dir_all(to.parent().context("files lie in folders")?)?;
-    fs::copy(from, to).with_context(|| format!("copying {} to {}", from.display(), to.display()))?;
-    Ok(())
 }

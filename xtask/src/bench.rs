@@ -6,9 +6,10 @@ use anyhow::{Context, Result};
 use clap::Args;
 use xshell::cmd;
 
+use crate::files::empty_directory;
 use crate::lab;
 use crate::package::SLIM;
-use crate::workspace::{Workspace, empty_directory};
+use crate::workspace::Workspace;
 
 /// The part that needs no device.
 const COMPILED: &str = "compiled";

@@ -8,13 +8,12 @@ use clap::Args;
 use xshell::cmd;
 
 use crate::debian;
-use crate::install::{copy, copy_as};
+use crate::files::{copy_into, empty_directory, files_of, name, read, write};
 use crate::package::{archive, markdown};
 use crate::python;
-use crate::stage::Outcome;
-use crate::tools::Tool;
-use crate::wine;
-use crate::workspace::{Workspace, empty_directory, files};
+use crate::tools::{PYTHON311, XVFB};
+use crate::wine::Display;
+use crate::workspace::Workspace;
 
 const BINDING: &str = "bindings/blender";
 const MANIFEST: &str = "blender_manifest.toml";
@@ -59,23 +58,11 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
 }
 
 /// Runs the extension's tests on the packed file, in the `bpy` of each of two Blenders and in a third one's window.
-pub fn stage(workspace: &Workspace) -> Result<Outcome> {
-    if cfg!(not(all(target_os = "linux", target_arch = "x86_64"))) {
-        return Ok(Outcome::NotApplicable("Blender is fetched for Linux on x86-64 only".into()));
-    }
-    let mut pythons = Vec::new();
-    for name in MODULES {
-        match module(workspace, name) {
-            Ok(python) => pythons.push(python),
-            Err(error) => return Ok(Outcome::LeftOut(format!("{error:#}"))),
-        }
-    }
+pub fn stage(workspace: &Workspace) -> Result<()> {
+    let pythons = MODULES.iter().map(|name| module(workspace, name)).collect::<Result<Vec<_>>>()?;
     let (sh, folder) = (&workspace.shell, workspace.target.join("blender-extension"));
-    let wheel = python::build(workspace, false, &folder.join("wheel"))?;
+    let (examples, wheel) = python::with_package(workspace, &folder.join("wheel"))?;
     let archive = pack(workspace, &wheel, &folder)?;
-    let examples = python::tested_environment(workspace)?;
-    let install = ["-m", "pip", "install", "--quiet", "--no-index", "--no-deps", "--force-reinstall"];
-    cmd!(sh, "{examples} {install...} {wheel}").quiet().run()?;
     let _environment = [
         sh.push_env("BLENDER_USER_RESOURCES", folder.join("home")),
         sh.push_env("CRUMPLE_EXTENSION", &archive),
@@ -87,14 +74,14 @@ pub fn stage(workspace: &Workspace) -> Result<Outcome> {
         empty_directory(&folder.join("home"))?;
         cmd!(sh, "{python} {tests}").quiet().run()?;
     }
-    if !Tool::Xvfb.here(workspace) {
-        return Ok(Outcome::InPart("Xvfb is missing, on which Blender's window is shown".into()));
+    if !XVFB.here(workspace) {
+        return Ok(());
     }
-    match program(workspace) {
-        Ok(program) => window(workspace, &program, &folder, &archive).map(|()| Outcome::Passed),
+    match debian::program(workspace, "CRUMPLE_BLENDER", "blender-window", PACKAGES, "blender", FOLDERS) {
+        Ok(program) => window(workspace, &program, &folder, &archive),
         Err(error) => {
-            let how = "Type: CRUMPLE_BLENDER=/path/to/blender cargo xtask test --only extension";
-            Ok(Outcome::InPart(format!("Blender with a window cannot be fetched: {error:#}. {how}")))
+            workspace.leave_out(format!("Blender with a window: {error:#}"));
+            Ok(())
         }
     }
 }
@@ -102,22 +89,7 @@ pub fn stage(workspace: &Workspace) -> Result<Outcome> {
 /// A Python with Blender as its module `bpy`, as `bindings/blender/tests/NAME.txt` says. Installed on the first call.
 pub fn module(workspace: &Workspace, name: &str) -> Result<PathBuf> {
     let requirements = format!("{BINDING}/tests/{name}.txt");
-    python::environment(workspace, Tool::Python311, &format!("blender-{name}"), &requirements)
-        .with_context(|| format!("bpy cannot be had; to see why: python3.11 -m pip install -r {requirements}"))
-}
-
-/// The program with a window, fetched on the first call.
-fn program(workspace: &Workspace) -> Result<PathBuf> {
-    if let Some(program) = std::env::var_os("CRUMPLE_BLENDER") {
-        return Ok(program.into());
-    }
-    let folder = workspace.target.join("blender-window");
-    let program = folder.join("blender");
-    if !program.exists() {
-        println!("fetching Blender from Debian sid, about 290 MB, into {}", folder.display());
-        debian::fetch(workspace, &folder, PACKAGES, "blender", FOLDERS)?;
-    }
-    Ok(program)
+    python::environment(workspace, PYTHON311, &format!("blender-{name}"), &requirements)
 }
 
 /// Drives the panel, the hits and the heat map on a display without a screen. The picture lies beside the archive.
@@ -125,25 +97,15 @@ fn window(workspace: &Workspace, program: &Path, folder: &Path, archive: &Path) 
     empty_directory(&folder.join("home"))?;
     let (script, hood) = (workspace.path(BINDING).join("tests/window.py"), workspace.path("assets/demo/hood.glb"));
     let picture = folder.join("window.png");
-    let (mut display, number) = wine::display()?;
-    let sh = &workspace.shell;
-    let options = [
-        "--gpu-backend",
-        "vulkan",
-        "--enable-event-simulate",
-        "--factory-startup",
-        "--python-use-system-env",
-        "--python-exit-code",
-        "1",
-    ];
-    let shown = cmd!(sh, "timeout 150 {program} {options...} --python {script} -- {archive} {hood} {picture}")
-        .env("DISPLAY", format!(":{number}"))
-        .env("XDG_RUNTIME_DIR", folder.join("home"))
-        .ignore_status()
-        .output();
-    let _ = display.kill();
-    let _ = display.wait();
-    let shown = shown?;
+    let (sh, display) = (&workspace.shell, Display::start()?);
+    let options =
+        ["--gpu-backend", "vulkan", "--enable-event-simulate", "--factory-startup", "--python-use-system-env"];
+    let shown = cmd!(
+        sh,
+        "timeout 150 {program} {options...} --python-exit-code 1 --python {script} -- {archive} {hood} {picture}"
+    );
+    let shown = shown.env("DISPLAY", &display.name).env("XDG_RUNTIME_DIR", folder.join("home"));
+    let shown = shown.ignore_status().output()?;
     let text = [shown.stdout, shown.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).concat();
     let good = shown.status.success() && text.contains("the window works") && !text.contains("Traceback");
     if !good {
@@ -160,27 +122,24 @@ fn pack(workspace: &Workspace, wheel: &Path, out: &Path) -> Result<PathBuf> {
     // The archive has the folder that Blender gives the extension.
     let stage = workspace.target.join("package/blender/crumple");
     empty_directory(&stage)?;
-    for file in files(&source)?.iter().filter(|file| file.extension().is_some_and(|kind| kind == "py")) {
-        copy(file, &stage)?;
+    for file in files_of(&source, &["py"])? {
+        copy_into(&file, &stage)?;
     }
     for license in ["LICENSE-MIT", "LICENSE-APACHE"] {
-        copy(&workspace.path(license), &stage)?;
+        copy_into(&workspace.path(license), &stage)?;
     }
-    let page = fs::read_to_string(workspace.path(BINDING).join("README.md")).context("reading the extension's page")?;
-    fs::write(stage.join("README.md"), markdown::without_dead_links(&page, &stage))?;
-    let name = wheel.file_name().context("wheels have names")?.to_string_lossy().into_owned();
-    copy_as(wheel, &stage.join("wheels"), &name)?;
-    let manifest = fs::read_to_string(source.join(MANIFEST)).with_context(|| format!("reading {MANIFEST}"))?;
-    let version = format!("version = \"{}\"", workspace.version);
-    ensure!(manifest.contains(&version), "{BINDING}/extension/{MANIFEST} lacks {version}, the workspace's");
+    let page = read(&workspace.path(BINDING).join("README.md"))?;
+    write(&stage.join("README.md"), markdown::without_dead_links(&page, &stage))?;
+    let name = name(wheel)?;
+    copy_into(wheel, &stage.join("wheels"))?;
+    let manifest = read(&source.join(MANIFEST))?;
     let (before, after) = manifest.split_once("\n[permissions]").context("the manifest lacks [permissions]")?;
     let system = system(&name).with_context(|| format!("Blender has no name for the system of {name}"))?;
     let lines = format!("platforms = [\"{system}\"]\nwheels = [\"./wheels/{name}\"]\n");
-    fs::write(stage.join(MANIFEST), format!("{before}{lines}\n[permissions]{after}"))?;
+    write(&stage.join(MANIFEST), format!("{before}{lines}\n[permissions]{after}"))?;
     fs::create_dir_all(out).with_context(|| format!("creating {}", out.display()))?;
     let path = out.join(format!("crumple-blender-{}-{system}.zip", workspace.version));
-    let file = fs::File::create(&path).with_context(|| format!("creating {}", path.display()))?;
-    archive::zip(&stage, file).with_context(|| format!("packing {}", path.display()))?;
+    archive::zip(&stage, &path)?;
     Ok(path)
 }
 

@@ -8,7 +8,8 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use xshell::cmd;
 
-use crate::workspace::{Workspace, empty_directory};
+use crate::files::{copy_into, empty_directory, read};
+use crate::workspace::Workspace;
 
 /// Bytes and files for each target. Every clone carries them.
 const LIMIT: u64 = 30_000;
@@ -20,7 +21,7 @@ pub fn keep(workspace: &Workspace, program: &Path, corpus: &Path, kept: &Path) -
     empty_directory(&merged)?;
     let _ = fs::remove_file(&control);
     cmd!(workspace.shell, "{program} -merge=1 -merge_control_file={control} {merged} {corpus}").quiet().run()?;
-    let text = fs::read_to_string(&control).context("reading libFuzzer's control file")?;
+    let text = read(&control).context("libFuzzer's control file")?;
     let mut best: Vec<(u64, u64, &str)> = new_code(&text)
         .into_iter()
         .map(|(file, edges)| Ok((fs::metadata(file)?.len().max(1), edges, file)))
@@ -31,7 +32,7 @@ pub fn keep(workspace: &Workspace, program: &Path, corpus: &Path, kept: &Path) -
     for (size, _, file) in best {
         if total + size <= LIMIT && files < FILES {
             (total, files) = (total + size, files + 1);
-            fs::copy(file, kept.join(Path::new(file).file_name().context("files have names")?))?;
+            copy_into(Path::new(file), kept)?;
         }
     }
     println!("{} holds {files} files of {total} bytes", kept.display());

@@ -6,14 +6,39 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use xshell::cmd;
 
-use crate::workspace::{Workspace, empty_directory, files};
+use crate::files::{empty_directory, files, files_of};
+use crate::stage::LeftOut;
+use crate::workspace::Workspace;
 
 /// Signs the packages.
 const KEYS: &str = "/usr/share/keyrings/debian-archive-keyring.gpg";
 
-/// Unpacks `packages` and what they need, and writes the program `folder/name`, which starts `name` of them. `environment` has more
-/// words for the program's `export`, in which `$R` is where the packages are.
-pub fn fetch(workspace: &Workspace, folder: &Path, packages: &[&str], name: &str, environment: &str) -> Result<()> {
+/// The program `name` of `packages`, unpacked with what they need below the target directory on the first call, unless the environment
+/// variable `own` names another. `environment` has more words for the program's `export`, in which `$R` is where the packages are.
+pub fn program(
+    workspace: &Workspace,
+    own: &str,
+    folder: &str,
+    packages: &[&str],
+    name: &str,
+    environment: &str,
+) -> Result<PathBuf> {
+    if let Some(program) = std::env::var_os(own) {
+        return Ok(program.into());
+    }
+    let folder = workspace.target.join(folder);
+    let program = folder.join(name);
+    if !program.exists() {
+        println!("fetching {name} from Debian sid, 170 to 290 MB, into {}", folder.display());
+        fetch(workspace, &folder, packages, name, environment).with_context(|| {
+            LeftOut::Missing(format!("{name} cannot be fetched. Name yours: {own}=/path/to/{name}"))
+        })?;
+    }
+    Ok(program)
+}
+
+/// Unpacks packages, and writes the program `folder/name`, which starts `name` of them.
+fn fetch(workspace: &Workspace, folder: &Path, packages: &[&str], name: &str, environment: &str) -> Result<()> {
     let mirror = mirror()?;
     empty_directory(folder)?;
     for part in ["lists/partial", "debs/partial", "root"] {
@@ -42,7 +67,7 @@ pub fn fetch(workspace: &Workspace, folder: &Path, packages: &[&str], name: &str
     let download = ["-qq", "-y", "--no-install-recommends", "--download-only", "install"];
     cmd!(sh, "apt-get {options...} {download...} {packages...}").ignore_stdout().run()?;
     let root = folder.join("root");
-    for package in files(&folder.join("debs"))?.iter().filter(|file| file.extension().is_some_and(|e| e == "deb")) {
+    for package in files_of(&folder.join("debs"), &["deb"])? {
         cmd!(sh, "dpkg-deb -x {package} {root}").quiet().run()?;
     }
     fs::remove_dir_all(folder.join("debs"))?;

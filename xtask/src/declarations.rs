@@ -1,10 +1,14 @@
 //! Reads the headers: the few forms of C that cbindgen writes, with their comments. Any other line is an error, so no declaration can
 //! be missing from what is generated.
 
-use std::fs;
+pub mod csharp;
+pub mod python;
+
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
+
+use crate::files;
 
 /// The folder of the headers.
 pub const INCLUDE: &str = "include";
@@ -28,11 +32,7 @@ pub fn read(include: &Path) -> Result<String> {
 
 /// Some of the headers, each after those that it includes.
 pub fn read_these(include: &Path, names: &[&str]) -> Result<String> {
-    let text = |name: &&str| {
-        let file = include.join(name);
-        fs::read_to_string(&file).with_context(|| format!("reading {}", file.display()))
-    };
-    Ok(joined(&names.iter().map(text).collect::<Result<Vec<_>>>()?))
+    Ok(joined(&names.iter().map(|name| files::read(&include.join(name))).collect::<Result<Vec<_>>>()?))
 }
 
 /// Headers, each after those that it includes, as one text.
@@ -94,6 +94,26 @@ pub struct Item {
     pub form: Form,
     /// The declaration as the header has it, with the comments inside it.
     pub text: String,
+}
+
+/// The functions that the header declares.
+pub fn functions(text: &str) -> Result<Vec<Item>> {
+    let mut items = header(text)?;
+    items.retain(|item| matches!(item.form, Form::Function { .. }));
+    Ok(items)
+}
+
+/// What all enumerators of a type begin with: its own name where they do, as those of results do not.
+fn prefix(name: &str, variants: &[Variant]) -> String {
+    let mut own = String::new();
+    for letter in name.chars() {
+        if letter.is_ascii_uppercase() && !own.is_empty() {
+            own.push('_');
+        }
+        own.push(letter.to_ascii_uppercase());
+    }
+    own.push('_');
+    if variants.iter().all(|variant| variant.name.starts_with(&own)) { own } else { "CRUMPLE_".to_owned() }
 }
 
 /// Everything that the header declares, in header order.

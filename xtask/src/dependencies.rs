@@ -2,13 +2,13 @@
 //! the same and more, but takes longer to build than this repository.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
-use std::path::Path;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, ensure};
 
+use crate::files::{files_of, read};
 use crate::package::licenses::{self, Linked};
-use crate::workspace::{Workspace, files};
+use crate::repo;
+use crate::workspace::Workspace;
 
 const BEGIN: &str = "<!-- written by cargo xtask repo --fix -->\n";
 const END: &str = "<!-- end -->\n";
@@ -37,15 +37,7 @@ pub fn run(workspace: &Workspace, page: &str, fix: bool) -> Result<()> {
     versions.retain(|_, versions| versions.len() > 1);
     ensure!(versions.is_empty(), "linked in several versions: {versions:?}");
 
-    let path = workspace.path(page);
-    let text = fs::read_to_string(&path)?.replace("\r\n", "\n");
-    let (before, rest) = text.split_once(BEGIN).with_context(|| format!("{page} lacks the line {BEGIN:?}"))?;
-    let (told, after) = rest.split_once(END).with_context(|| format!("{page} lacks the line {END:?}"))?;
-    if fix && told != table {
-        fs::write(path, [before, BEGIN, &table, END, after].concat())?;
-    } else {
-        ensure!(told == table, "{page}: the table of dependencies is out of date; type: cargo xtask repo --fix");
-    }
+    repo::passage(workspace, fix, page, [BEGIN, END], &table)?;
     println!("{page} lists the {} packages that the library links; each may be shipped", full.len());
     Ok(())
 }
@@ -53,8 +45,8 @@ pub fn run(workspace: &Workspace, page: &str, fix: bool) -> Result<()> {
 fn row(package: &Linked, slim: bool) -> Result<String> {
     let Linked { name, version, license, repository, directory, .. } = package;
     let mut lines = 0;
-    for file in files(&directory.join("src"))?.iter().filter(|file| file.extension().is_some_and(|end| end == "rs")) {
-        lines += unsafe_lines(file)?;
+    for file in files_of(&directory.join("src"), &["rs"])? {
+        lines += unsafe_lines(&read(&file)?);
     }
     let home = repository.trim_start_matches("https://").trim_end_matches(".git").trim_end_matches('/');
     let (slim, license) = (if slim { "yes" } else { "no" }, license.replace('/', " OR "));
@@ -62,12 +54,10 @@ fn row(package: &Linked, slim: bool) -> Result<String> {
 }
 
 /// Lines of code in which the keyword stands. Comments at the end of a line do not count, and neither does `unsafe_code`.
-fn unsafe_lines(file: &Path) -> Result<usize> {
-    let text = fs::read(file).with_context(|| format!("reading {}", file.display()))?;
+fn unsafe_lines(text: &str) -> usize {
     let code = |line: &str| line.split("//").next().unwrap_or_default().to_owned();
     let word = |c: char| !c.is_alphanumeric() && c != '_';
-    let has = |line: &str| code(line).split(word).any(|word| word == "unsafe");
-    Ok(String::from_utf8_lossy(&text).lines().filter(|line| has(line)).count())
+    text.lines().filter(|line| code(line).split(word).any(|word| word == "unsafe")).count()
 }
 
 /// Whether one of the choices in an SPDX expression asks only for these licenses.
@@ -92,9 +82,7 @@ mod tests {
 
     #[test]
     fn only_the_keyword_in_code_counts() {
-        let file = tempfile::NamedTempFile::new().unwrap();
-        fs::write(&file, "#![forbid(unsafe_code)]\n// unsafe\nunsafe fn f() {} // unsafe\nlet x = unsafe { 1 };\n")
-            .unwrap();
-        assert_eq!(unsafe_lines(file.path()).unwrap(), 2);
+        let text = "#![forbid(unsafe_code)]\n// unsafe\nunsafe fn f() {} // unsafe\nlet x = unsafe { 1 };\n";
+        assert_eq!(unsafe_lines(text), 2);
     }
 }

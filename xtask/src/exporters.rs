@@ -2,13 +2,13 @@
 //! what they wrote is swept.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::Result;
 use xshell::{Cmd, cmd};
 
-use crate::stage::Outcome;
-use crate::workspace::{Workspace, empty_directory};
+use crate::files::empty_directory;
+use crate::workspace::Workspace;
 use crate::{blender, godot, python, tools};
 
 const SCRIPTS: &str = "tests/exporters";
@@ -22,22 +22,14 @@ const REFUSED: &[&str] = &[
     "trimesh/scene.glb",
 ];
 
-pub fn stage(workspace: &Workspace) -> Result<Outcome> {
-    if cfg!(not(all(target_os = "linux", target_arch = "x86_64"))) {
-        return Ok(Outcome::NotApplicable("Blender and Godot are fetched for Linux on x86-64 only".into()));
-    }
-    let programs = match Programs::fetch(workspace) {
-        Ok(programs) => programs,
-        Err(error) => return Ok(Outcome::LeftOut(format!("{error:#}"))),
-    };
+pub fn stage(workspace: &Workspace) -> Result<()> {
     let exports = workspace.target.join("exports");
-    empty_directory(&exports)?;
-    programs.export(workspace, &exports)?;
+    export(workspace, &exports)?;
     for options in ["", "--join"] {
         let test = workspace.tests(&[]).env("CRUMPLE_SWEEP_REFUSED", REFUSED.join(","));
         sweep(test, &exports, options)?;
     }
-    Ok(Outcome::Passed)
+    Ok(())
 }
 
 /// Runs the sweep over a folder. `test` is a `cargo test` with its features, and `options` are for the commands.
@@ -46,51 +38,34 @@ pub fn sweep(test: Cmd<'_>, folder: &Path, options: &str) -> Result<()> {
     Ok(test.env("CRUMPLE_SWEEP", std::path::absolute(folder)?).env("CRUMPLE_SWEEP_OPTIONS", options).run()?)
 }
 
-struct Programs {
-    blender: PathBuf,
-    /// A Python with trimesh.
-    trimesh: PathBuf,
-    /// The folder with three.js.
-    modules: PathBuf,
-    godot: PathBuf,
-}
-
-impl Programs {
-    fn fetch(workspace: &Workspace) -> Result<Self> {
-        Ok(Self {
-            blender: blender::module(workspace, blender::NEWEST)?,
-            trimesh: python::tested_environment(workspace)?,
-            modules: tools::npm(workspace, &workspace.target.join("three"), &[THREE])?,
-            godot: godot::engine(workspace)?,
-        })
+/// Each program writes into a folder of its own. All but Blender read what Blender wrote.
+fn export(workspace: &Workspace, exports: &Path) -> Result<()> {
+    let blender = blender::module(workspace, blender::NEWEST)?;
+    let trimesh = python::tested_environment(workspace)?;
+    let modules = tools::npm(workspace, &workspace.target.join("three"), &[THREE])?;
+    let godot = godot::engine(workspace)?;
+    empty_directory(exports)?;
+    let sh = &workspace.shell;
+    let script = |name: &str| workspace.path(SCRIPTS).join(name);
+    let of = |name: &str| exports.join(name);
+    let (by_blender, by_three, by_trimesh) = (script("blender.py"), script("three.mjs"), script("trimesh_files.py"));
+    let (plain, plain_obj) = (of("blender/plain.glb"), of("blender/plain.obj"));
+    let folder = of("blender");
+    cmd!(sh, "{blender} {by_blender} {folder}").ignore_stdout().ignore_stderr().run()?;
+    let folder = of("three");
+    cmd!(sh, "node {by_three} {modules} {plain} {folder}").run()?;
+    let folder = of("trimesh");
+    cmd!(sh, "{trimesh} {by_trimesh} {plain} {folder}").env("PYTHONDONTWRITEBYTECODE", "1").run()?;
+    fs::create_dir(of("assimp"))?;
+    for (source, name, format) in
+        [(&plain, "plain.glb", "glb2"), (&plain, "plain.gltf", "gltf2"), (&plain_obj, "of_obj.glb", "glb2")]
+    {
+        let (out, format) = (of("assimp").join(name), format!("-f{format}"));
+        cmd!(sh, "assimp export {source} {out} {format}").ignore_stdout().run()?;
     }
-
-    /// Each program writes into a folder of its own. All but Blender read what Blender wrote.
-    fn export(&self, workspace: &Workspace, exports: &Path) -> Result<()> {
-        let sh = &workspace.shell;
-        let Self { blender, trimesh, modules, godot } = self;
-        let script = |name: &str| workspace.path(SCRIPTS).join(name);
-        let of = |name: &str| exports.join(name);
-        let (by_blender, by_three, by_trimesh) =
-            (script("blender.py"), script("three.mjs"), script("trimesh_files.py"));
-        let (plain, plain_obj) = (of("blender/plain.glb"), of("blender/plain.obj"));
-        let folder = of("blender");
-        cmd!(sh, "{blender} {by_blender} {folder}").ignore_stdout().ignore_stderr().run()?;
-        let folder = of("three");
-        cmd!(sh, "node {by_three} {modules} {plain} {folder}").run()?;
-        let folder = of("trimesh");
-        cmd!(sh, "{trimesh} {by_trimesh} {plain} {folder}").env("PYTHONDONTWRITEBYTECODE", "1").run()?;
-        fs::create_dir(of("assimp"))?;
-        for (source, name, format) in
-            [(&plain, "plain.glb", "glb2"), (&plain, "plain.gltf", "gltf2"), (&plain_obj, "of_obj.glb", "glb2")]
-        {
-            let (out, format) = (of("assimp").join(name), format!("-f{format}"));
-            cmd!(sh, "assimp export {source} {out} {format}").ignore_stdout().run()?;
-        }
-        fs::create_dir(of("godot"))?;
-        let (by_godot, out) = (script("godot.gd"), of("godot/plain.glb"));
-        let _home = godot::home(workspace, &exports.join("home"));
-        cmd!(sh, "timeout 120 {godot} --headless --script {by_godot} -- {plain} {out}").ignore_stdout().run()?;
-        Ok(())
-    }
+    fs::create_dir(of("godot"))?;
+    let (by_godot, out) = (script("godot.gd"), of("godot/plain.glb"));
+    let _home = godot::home(workspace, &exports.join("home"));
+    cmd!(sh, "timeout 120 {godot} --headless --script {by_godot} -- {plain} {out}").ignore_stdout().run()?;
+    Ok(())
 }

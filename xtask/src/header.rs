@@ -1,14 +1,11 @@
 //! The headers, which cbindgen writes from the sources of `src/capi`, and the C# and Python declarations made from them: committed,
 //! and compared in CI.
 
-use std::fs;
-
 use anyhow::{Context, Result, anyhow, bail};
 use similar::TextDiff;
 
-use crate::csharp;
-use crate::declarations::{self, HEADERS, INCLUDE};
-use crate::python;
+use crate::declarations::{self, HEADERS, INCLUDE, csharp, python};
+use crate::files::{self, read};
 use crate::workspace::Workspace;
 
 /// The last line of an opening comment.
@@ -17,6 +14,10 @@ const GENERATED: &str =
 
 /// Characters in a line of a header.
 const WIDTH: usize = 120;
+
+/// Where the declarations of C# and Python are.
+const CSHARP: &str = "bindings/unity/Runtime/Native";
+const PYTHON: &str = "bindings/python/src/crumple/_native.py";
 
 /// A header beside crumple.h.
 struct Part {
@@ -127,31 +128,27 @@ const PARTS: &[Part] = &[
 
 pub fn run(workspace: &Workspace, check: bool) -> Result<()> {
     let headers = generate(workspace)?;
-    let joined = declarations::joined(&headers);
-    let in_csharp = |name: &str| csharp::HEADERS.contains(&name);
-    let of_csharp: Vec<_> =
-        HEADERS.iter().zip(&headers).filter(|(name, _)| in_csharp(name)).map(|(_, text)| text.clone()).collect();
-    let (types, functions) = csharp::declarations(&declarations::joined(&of_csharp))?;
-    let python = python::declarations(&joined)?;
+    let in_csharp = |(name, _): &(&&str, &String)| csharp::HEADERS.contains(name);
+    let of_csharp: Vec<_> = HEADERS.iter().zip(&headers).filter(in_csharp).map(|(_, text)| text.clone()).collect();
+    let (types, functions) = csharp::files(&declarations::header(&declarations::joined(&of_csharp))?)?;
+    let python = python::module(&declarations::header(&declarations::joined(&headers))?)?;
     let mut files: Vec<_> = HEADERS.iter().map(|name| format!("{INCLUDE}/{name}")).zip(headers).collect();
-    for (name, text) in [(csharp::TYPES, types), (csharp::FUNCTIONS, functions), (python::DECLARATIONS, python)] {
-        files.push((name.to_owned(), text));
-    }
+    files.push((format!("{CSHARP}/NativeTypes.g.cs"), types));
+    files.push((format!("{CSHARP}/NativeMethods.g.cs"), functions));
+    files.push((PYTHON.to_owned(), python));
     for (name, fresh) in &files {
-        if check { compare(workspace, name, fresh)? } else { write(workspace, name, fresh)? }
+        if check {
+            compare(workspace, name, fresh)?;
+        } else {
+            files::write(&workspace.path(name), fresh)?;
+            println!("wrote {name}");
+        }
     }
-    Ok(())
-}
-
-fn write(workspace: &Workspace, name: &str, fresh: &str) -> Result<()> {
-    fs::write(workspace.path(name), fresh).with_context(|| format!("writing {name}"))?;
-    println!("wrote {name}");
     Ok(())
 }
 
 fn compare(workspace: &Workspace, name: &str, fresh: &str) -> Result<()> {
-    let committed = fs::read_to_string(workspace.path(name)).with_context(|| format!("reading {name}"))?;
-    let committed = committed.replace("\r\n", "\n");
+    let committed = read(&workspace.path(name))?;
     if committed != fresh {
         let committed_name = format!("{name} (committed)");
         let diff = TextDiff::from_lines(&committed, fresh);

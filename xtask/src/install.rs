@@ -14,15 +14,15 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail, ensure};
-use object::elf::{DF_1_NODELETE, DT_FLAGS_1, DT_SONAME, FileHeader32, FileHeader64};
-use object::read::elf::{Dynamic, FileHeader};
-use object::{Endianness, FileKind, Object};
+use anyhow::{Context, Result, ensure};
+use object::Object;
+use xshell::cmd;
 
 use crate::abi;
 use crate::declarations::{HEADERS, INCLUDE};
+use crate::files::{bytes, copy, copy_into, read, write};
 use crate::target::Target;
-use crate::workspace::Workspace;
+use crate::workspace::{Workspace, rustc};
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Profile {
@@ -51,8 +51,6 @@ pub struct Built {
     pub target: Target,
     pub shared: PathBuf,
     static_library: PathBuf,
-    /// Linker arguments that a program needs beside `static_library`, such as `-lpthread`.
-    static_needs: Vec<String>,
     /// The features that it was built with.
     features: &'static [&'static str],
 }
@@ -81,33 +79,23 @@ pub fn build(
             target.cargo(workspace, &dist)?.args(["--no-default-features", "--features", &features]).run()?;
         }
     }
-    built(workspace, target, profile, features)
+    Ok(built(workspace, target, profile, features))
 }
 
 /// What was built for a system.
-pub fn built(
-    workspace: &Workspace,
-    target: Target,
-    profile: Profile,
-    features: &'static [&'static str],
-) -> Result<Built> {
+pub fn built(workspace: &Workspace, target: Target, profile: Profile, features: &'static [&'static str]) -> Built {
     let directory = target.directory(workspace, profile.directory());
-    Ok(Built {
-        shared: directory.join(target.shared()),
-        static_library: directory.join(target.static_library()),
-        static_needs: static_needs(workspace, &target)?,
-        features,
-        target,
-    })
+    let (shared, static_library) = (directory.join(target.shared()), directory.join(target.static_library()));
+    Built { target, shared, static_library, features }
 }
 
 /// The release library in a folder that [`run`] filled. Another build may have taken its place in Cargo's folder.
-pub fn installed(workspace: &Workspace, target: Target, prefix: &Path) -> Result<Built> {
+pub fn installed(target: Target, prefix: &Path) -> Built {
     let (shared, static_library) = (shared(&target, prefix), prefix.join("lib").join(target.static_library()));
-    Ok(Built { shared, static_library, ..built(workspace, target, Profile::Release, FEATURES)? })
+    Built { target, shared, static_library, features: FEATURES }
 }
 
-/// The system libraries that Rust's standard library links, as `rustc` prints them for an empty static library.
+/// What a program links beside the static library, such as `-lpthread`: `rustc` prints it for an empty one.
 fn static_needs(workspace: &Workspace, target: &Target) -> Result<Vec<String>> {
     if !target.has_standard_library(workspace) {
         // Compiling it for the question takes minutes.
@@ -116,14 +104,9 @@ fn static_needs(workspace: &Workspace, target: &Target) -> Result<Vec<String>> {
     let scratch = tempfile::tempdir()?;
     let source = scratch.path().join("empty.rs");
     fs::write(&source, "")?;
-    let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
-    let (sh, triple) = (&workspace.shell, &target.triple);
-    let output =
-        xshell::cmd!(sh, "{rustc} --target {triple} --crate-type staticlib --print native-static-libs {source}")
-            .arg("-o")
-            .arg(scratch.path().join("empty.a"))
-            .quiet()
-            .read_stderr()?;
+    let (sh, rustc, triple, empty) = (&workspace.shell, rustc(), &target.triple, scratch.path().join("empty.a"));
+    let print = ["--crate-type", "staticlib", "--print", "native-static-libs", "-o"];
+    let output = cmd!(sh, "{rustc} --target {triple} {print...} {empty} {source}").quiet().read_stderr()?;
     let marker = "native-static-libs: ";
     let line = output.lines().find_map(|line| line.split(marker).nth(1));
     let line = line.with_context(|| format!("rustc printed no line with {marker:?}, but: {output}"))?;
@@ -143,36 +126,60 @@ pub fn run(workspace: &Workspace, prefix: &Path, profile: Profile) -> Result<()>
 pub fn lay_out(workspace: &Workspace, built: &Built, prefix: &Path) -> Result<()> {
     let lib = prefix.join("lib");
     copy_shared(workspace, built, prefix)?;
-    copy(&built.static_library, &lib)?;
+    copy_into(&built.static_library, &lib)?;
     for header in HEADERS.iter().chain(&["crumple.hpp"]) {
-        copy(&workspace.path(INCLUDE).join(header), &prefix.join("include"))?;
+        copy_into(&workspace.path(INCLUDE).join(header), &prefix.join("include"))?;
     }
     for license in ["LICENSE-MIT", "LICENSE-APACHE"] {
-        copy(&workspace.path(license), &prefix.join("share/licenses/crumple"))?;
+        copy_into(&workspace.path(license), &prefix.join("share/licenses/crumple"))?;
     }
-    for (template, directory) in [
-        ("cmake/CrumpleConfig.cmake.in", "lib/cmake/Crumple"),
-        ("cmake/CrumpleConfigVersion.cmake.in", "lib/cmake/Crumple"),
-        ("cmake/crumple.pc.in", "lib/pkgconfig"),
-        ("cmake/static-libraries.txt.in", "lib"),
+    let needs = static_needs(workspace, &built.target)?;
+    let libraries: Vec<&str> = needs.iter().map(|flag| flag.strip_prefix("-l").unwrap_or(flag)).collect();
+    let values = [
+        ("VERSION", workspace.version.clone()),
+        ("SONAME", if built.target.is_linux() { abi::soname(&workspace.version) } else { String::new() }),
+        ("STATIC", built.target.static_library().to_owned()),
+        ("STATIC_LIBS", needs.join(" ")),
+        ("STATIC_LIBS_CMAKE", libraries.join(";")),
+        ("POINTER_BYTES", built.target.pointer_bytes().to_string()),
+        ("FEATURES", built.features.join(" ")),
+        ("FEATURES_CMAKE", built.features.join(";")),
+    ];
+    for (name, directory) in [
+        ("CrumpleConfig.cmake", lib.join("cmake/Crumple")),
+        ("CrumpleConfigVersion.cmake", lib.join("cmake/Crumple")),
+        ("crumple.pc", lib.join("pkgconfig")),
+        ("static-libraries.txt", lib),
     ] {
-        fill(workspace, built, template, &prefix.join(directory))?;
+        let template = read(&workspace.path("cmake").join(format!("{name}.in")))?;
+        let text = values.iter().fold(template, |text, (key, value)| text.replace(&format!("@CRUMPLE_{key}@"), value));
+        ensure!(!text.contains("@CRUMPLE_"), "cmake/{name}.in asks for what the installer does not know");
+        fs::create_dir_all(&directory)?;
+        write(&directory.join(name), text)?;
     }
     Ok(())
 }
 
 fn copy_shared(workspace: &Workspace, built: &Built, prefix: &Path) -> Result<()> {
-    let lib = prefix.join("lib");
+    let (lib, shared) = (prefix.join("lib"), &built.shared);
     if built.target.is_windows() {
-        let shared = copy(&built.shared, &prefix.join("bin"))?;
-        return import_library(workspace, built, &shared, &lib);
+        copy_into(shared, &prefix.join("bin"))?;
+        // MinGW's compiler and Microsoft's link the same file.
+        let import = "crumple.dll.lib";
+        if !built.target.is_mingw() {
+            return copy_into(&shared.with_file_name(import), &lib);
+        }
+        fs::create_dir_all(&lib)?;
+        import_library(workspace, "crumple.dll", &abi::exports(shared)?, &lib.join(import))?;
+        // The name that MinGW's linker finds for -lcrumple before the static library's.
+        return copy(&lib.join(import), &lib.join("libcrumple.dll.a"));
     }
     if built.target.is_macos() {
-        return copy(&built.shared, &lib).map(drop);
+        return copy_into(shared, &lib);
     }
     let real = format!("libcrumple.so.{}", workspace.version);
-    copy_as(&built.shared, &lib, &real)?;
-    for link in [soname(&built.shared)?, "libcrumple.so".to_owned()] {
+    copy(shared, &lib.join(&real))?;
+    for link in [abi::soname(&workspace.version), "libcrumple.so".to_owned()] {
         let link = lib.join(link);
         if link.symlink_metadata().is_ok() {
             fs::remove_file(&link)?;
@@ -187,26 +194,12 @@ use std::os::unix::fs::symlink;
 #[cfg(windows)]
 use std::os::windows::fs::symlink_file as symlink;
 
-/// Puts the import library of a DLL into `lib`. MinGW's compiler and Microsoft's link the same file.
-fn import_library(workspace: &Workspace, built: &Built, shared: &Path, lib: &Path) -> Result<()> {
-    let name = "crumple.dll.lib";
-    if !built.target.is_mingw() {
-        return copy(&built.shared.with_file_name(name), lib).map(drop);
-    }
-    fs::create_dir_all(lib)?;
-    let exports = lib.join("crumple.def");
-    fs::write(&exports, format!("LIBRARY crumple.dll\nEXPORTS\n{}\n", abi::exports(shared)?.join("\n")))?;
-    let import = lib.join(name);
-    xshell::cmd!(workspace.shell, "llvm-dlltool -m i386:x86-64 -d {exports} -l {import}").quiet().run()?;
-    // The name that MinGW's linker finds for -lcrumple before the static library's.
-    copy_as(&import, lib, "libcrumple.dll.a")?;
-    fs::remove_file(&exports).with_context(|| format!("removing {}", exports.display()))
-}
-
-/// The name under which programs load the library; `build.rs` sets it.
-pub fn soname(library: &Path) -> Result<String> {
-    let name = dynamic(library)?.into_iter().find(|(entry, _)| entry.tag == DT_SONAME).map(|(_, text)| text);
-    name.with_context(|| format!("{} has no SONAME; build.rs gives it one", library.display()))
+/// Writes the import library of a DLL that exports these names.
+pub fn import_library(workspace: &Workspace, dll: &str, exports: &[String], library: &Path) -> Result<()> {
+    let definition = library.with_extension("def");
+    write(&definition, format!("LIBRARY {dll}\nEXPORTS\n{}\n", exports.join("\n")))?;
+    cmd!(workspace.shell, "llvm-dlltool -m i386:x86-64 -d {definition} -l {library}").quiet().run()?;
+    fs::remove_file(&definition).with_context(|| format!("removing {}", definition.display()))
 }
 
 /// Where the shared library is in a prefix.
@@ -214,19 +207,21 @@ pub fn shared(target: &Target, prefix: &Path) -> PathBuf {
     prefix.join(if target.is_windows() { "bin" } else { "lib" }).join(target.shared())
 }
 
-/// Checks that a host cannot unload the library while its threads are still ending; `build.rs` sets the flag.
-pub fn stays_loaded(library: &Path) -> Result<()> {
-    let flags = dynamic(library)?.into_iter().find(|(entry, _)| entry.tag == DT_FLAGS_1);
-    let flags = flags.map_or(0, |(entry, _)| entry.val);
-    ensure!(flags & u64::from(DF_1_NODELETE) != 0, "{} is not NODELETE; build.rs makes it so", library.display());
+/// Checks that a host cannot unload a library for Linux while its threads are still ending, and that a DLL needs only libraries that
+/// Windows has.
+pub fn loads_well(workspace: &Workspace, target: &Target, library: &Path) -> Result<()> {
+    if target.is_windows() {
+        return needs_windows_alone(library);
+    }
+    let table = cmd!(workspace.shell, "readelf -d {library}").quiet().read()?;
+    ensure!(table.contains("NODELETE"), "{} is not NODELETE; build.rs makes it so", library.display());
     Ok(())
 }
 
-/// Checks that a DLL needs only libraries that Windows has.
 pub fn needs_windows_alone(library: &Path) -> Result<()> {
     const WINDOWS: &[&str] =
         &["bcryptprimitives.dll", "kernel32.dll", "msvcrt.dll", "ntdll.dll", "userenv.dll", "ws2_32.dll"];
-    let bytes = fs::read(library).with_context(|| format!("reading {}", library.display()))?;
+    let bytes = bytes(library)?;
     let imports = object::File::parse(&*bytes)?.imports()?;
     let names: BTreeSet<String> =
         imports.iter().map(|import| String::from_utf8_lossy(import.library()).to_lowercase()).collect();
@@ -234,61 +229,4 @@ pub fn needs_windows_alone(library: &Path) -> Result<()> {
     let foreign: Vec<_> = names.iter().filter(|name| !known(name)).collect();
     ensure!(foreign.is_empty() && !names.is_empty(), "{} needs {foreign:?}", library.display());
     Ok(())
-}
-
-/// The entries of the dynamic table, each with its string if it has one.
-fn dynamic(library: &Path) -> Result<Vec<(Dynamic, String)>> {
-    let bytes = fs::read(library).with_context(|| format!("reading {}", library.display()))?;
-    match FileKind::parse(&*bytes)? {
-        FileKind::Elf32 => dynamic_of(FileHeader32::<Endianness>::parse(&*bytes)?, &bytes),
-        _ => dynamic_of(FileHeader64::<Endianness>::parse(&*bytes)?, &bytes),
-    }
-}
-
-fn dynamic_of<H: FileHeader>(header: &H, bytes: &[u8]) -> Result<Vec<(Dynamic, String)>> {
-    let endian = header.endian()?;
-    let table = header.sections(endian, bytes)?.dynamic_table(endian, bytes)?;
-    let text = |entry: Dynamic| if entry.is_string() { table.string(entry).unwrap_or_default() } else { &[] };
-    Ok(table.iter().map(|entry| (entry, String::from_utf8_lossy(text(entry)).into_owned())).collect())
-}
-
-/// Copies `cmake/NAME.in` to `directory/NAME` with every `@KEY@` replaced.
-fn fill(workspace: &Workspace, built: &Built, template: &str, directory: &Path) -> Result<()> {
-    let text = fs::read_to_string(workspace.path(template)).with_context(|| format!("reading {template}"))?;
-    let libraries: Vec<&str> = built.static_needs.iter().map(|flag| flag.strip_prefix("-l").unwrap_or(flag)).collect();
-    let values = [
-        ("@CRUMPLE_VERSION@", workspace.version.clone()),
-        ("@CRUMPLE_SONAME@", if built.target.is_linux() { soname(&built.shared)? } else { String::new() }),
-        ("@CRUMPLE_STATIC@", built.target.static_library().to_owned()),
-        ("@CRUMPLE_STATIC_LIBS@", built.static_needs.join(" ")),
-        ("@CRUMPLE_STATIC_LIBS_CMAKE@", libraries.join(";")),
-        ("@CRUMPLE_POINTER_BYTES@", built.target.pointer_bytes().to_string()),
-        ("@CRUMPLE_FEATURES@", built.features.join(" ")),
-        ("@CRUMPLE_FEATURES_CMAKE@", built.features.join(";")),
-    ];
-    let text = values.iter().fold(text, |text, (key, value)| text.replace(key, value));
-    if let Some(key) = text.split("@CRUMPLE_").nth(1) {
-        let key = key.split('@').next().unwrap_or(key);
-        bail!("{template} asks for @CRUMPLE_{key}@, which the installer does not know");
-    }
-    let name = Path::new(template).file_stem().context("templates have names")?;
-    fs::create_dir_all(directory)?;
-    let path = directory.join(name);
-    fs::write(&path, text).with_context(|| format!("writing {}", path.display()))
-}
-
-pub fn copy(file: &Path, directory: &Path) -> Result<PathBuf> {
-    let name = file.file_name().with_context(|| format!("{} has no file name", file.display()))?;
-    copy_as(file, directory, &name.to_string_lossy())
-}
-
-pub fn copy_as(file: &Path, directory: &Path, name: &str) -> Result<PathBuf> {
-    fs::create_dir_all(directory).with_context(|| format!("creating {}", directory.display()))?;
-    let to = directory.join(name);
-    // A running program keeps the old file: overwriting it would change the program's memory.
-    if to.exists() {
-        fs::remove_file(&to).with_context(|| format!("replacing {}", to.display()))?;
-    }
-    fs::copy(file, &to).with_context(|| format!("copying {} to {}", file.display(), to.display()))?;
-    Ok(to)
 }

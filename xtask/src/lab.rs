@@ -7,10 +7,11 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use xshell::cmd;
 
+use crate::engines;
+use crate::files::empty_directory;
 use crate::python;
-use crate::throws;
-use crate::tools::Tool;
-use crate::workspace::{Workspace, empty_directory};
+use crate::tools::PYTHON3;
+use crate::workspace::Workspace;
 
 #[derive(Args)]
 pub struct Options {
@@ -78,7 +79,7 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
         timed(part.name, || {
             let quick = options.quick.then_some("--quick");
             if let Some(subcommand) = part.measures {
-                let throws = (part.name == "contacts").then(|| throws::build(workspace)).transpose()?;
+                let throws = (part.name == "contacts").then(|| engines::build(workspace)).transpose()?;
                 let throws = throws.map(|folder| format!("--throws={}", folder.display()));
                 cmd!(sh, "{program} {subcommand} {throws...} {quick...} --out {out}").quiet().run()?;
             }
@@ -121,5 +122,5 @@ fn script_path(workspace: &Workspace, script: &str) -> PathBuf {
 
 /// A Python with the pinned packages that the scripts need.
 pub fn python(workspace: &Workspace) -> Result<PathBuf> {
-    python::environment(workspace, Tool::Python3, "lab-venv", "lab/python/requirements.txt")
+    python::environment(workspace, PYTHON3, "lab-venv", "lab/python/requirements.txt")
 }

@@ -16,6 +16,7 @@ mod demo;
 mod dependencies;
 mod engines;
 mod exporters;
+mod files;
 mod fuzz;
 mod godot;
 mod header;
@@ -31,13 +32,11 @@ mod python;
 mod reference;
 mod repo;
 mod rooms;
-mod schedules;
 mod soak;
 mod source;
 mod stage;
 mod target;
 mod test;
-mod throws;
 mod tools;
 mod unity;
 mod valgrind;
@@ -170,7 +169,7 @@ fn run(command: Command) -> Result<()> {
         Command::Fuzz(options) => fuzz::run(&workspace, &options),
         Command::Miri => nightly::miri(&workspace),
         Command::Msan => nightly::memory(&workspace),
-        Command::Schedules => schedules::run(&workspace),
+        Command::Schedules => nightly::schedules(&workspace),
         Command::Lab(options) => lab::run(&workspace, &options),
         Command::Bench(options) => bench::run(&workspace, &options),
         Command::Soak(options) => soak::run(&workspace, &options),
@@ -179,10 +178,7 @@ fn run(command: Command) -> Result<()> {
             exporters::sweep(test, &folder, &options.join(" "))
         }
         Command::Ci { fail_fast } => test::ci(&workspace, fail_fast),
-        Command::Ahead => {
-            test::ahead(&workspace);
-            Ok(())
-        }
+        Command::Ahead => test::ahead(&workspace),
         Command::Car(options) => car::run(&workspace, &options),
         Command::Repo { fix } => repo::run(&workspace, fix),
     }

@@ -1,31 +1,28 @@
 //! Checks that messages quoted in docs exist in the sources.
 
-use std::fs;
-use std::path::{Path, PathBuf};
+use anyhow::{Result, ensure};
 
-use anyhow::{Context, Result, ensure};
+use crate::files::{files_of, read};
+use crate::workspace::Workspace;
 
-use crate::workspace::{Workspace, files};
-
-/// Each page, and the folders whose sources contain the messages that it quotes.
-const PAGES: &[(&str, &[&str])] = &[
-    ("docs/troubleshooting.md", &["src"]),
-    ("bindings/unity/Runtime/README.md", &["bindings/unity/Runtime"]),
-    ("bindings/unity/Documentation~/index.md", &["bindings/unity"]),
+/// Each page, and the folder whose sources contain the messages that it quotes.
+const PAGES: &[(&str, &str)] = &[
+    ("docs/troubleshooting.md", "src"),
+    ("bindings/unity/Runtime/README.md", "bindings/unity/Runtime"),
+    ("bindings/unity/Documentation~/index.md", "bindings/unity"),
 ];
 /// The first head of tables that quote our messages. Tables with other heads quote other programs.
 const HEAD: &str = "| it says |";
 
 pub fn run(workspace: &Workspace) -> Result<()> {
     for (page, sources) in PAGES {
-        let text = fs::read_to_string(workspace.path(page)).with_context(|| format!("reading {page}"))?;
-        let mut source = String::new();
-        for directory in *sources {
-            gather(&workspace.path(directory), &mut source)?;
+        let (text, mut source) = (read(&workspace.path(page))?, String::new());
+        for file in files_of(&workspace.path(sources), &["rs", "cs", "cpp", "h", "c"])? {
+            source += &joined(&read(&file)?);
         }
         let quoted = quoted(&text);
         let unknown: Vec<&&str> = quoted.iter().filter(|quote| !source.contains(**quote)).collect();
-        ensure!(unknown.is_empty(), "{page} quotes {unknown:?}, which no source in {sources:?} contains");
+        ensure!(unknown.is_empty(), "{page} quotes {unknown:?}, which no source in {sources} contains");
         println!("{page} quotes {} pieces of messages; all exist", quoted.len());
     }
     Ok(())
@@ -45,23 +42,11 @@ fn quoted(page: &str) -> Vec<&str> {
     found
 }
 
-/// Appends the text of all source files. Continued lines of a string are joined as the compiler joins them.
-fn gather(folder: &Path, all: &mut String) -> Result<()> {
-    let known = ["rs", "cs", "cpp", "h", "c"];
-    let is_source = |path: &PathBuf| path.extension().is_some_and(|extension| known.iter().any(|k| *k == extension));
-    for path in files(folder)?.iter().filter(|path| is_source(path)) {
-        let text = fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?;
-        let mut joined = false;
-        for line in text.lines() {
-            let line = if joined { line.trim_start() } else { line };
-            joined = line.ends_with('\\');
-            all.push_str(line.strip_suffix('\\').unwrap_or(line));
-            if !joined {
-                all.push('\n');
-            }
-        }
-    }
-    Ok(())
+/// Continued lines of a string are joined as the compiler joins them.
+fn joined(source: &str) -> String {
+    let mut parts = source.split("\\\n");
+    let first = parts.next().unwrap_or_default().to_owned();
+    parts.fold(first, |text, part| text + part.trim_start())
 }
 
 #[cfg(test)]

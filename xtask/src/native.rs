@@ -1,19 +1,19 @@
 //! Tests of the installed C library by C and C++ programs, plain and under gcc's sanitizers.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, ensure};
 use xshell::cmd;
 
 use crate::abi;
 use crate::declarations::INCLUDE;
+use crate::files::{copy_into, empty_directory, files, read};
 use crate::install::{self, Profile};
-use crate::stage::{Outcome, all_passed};
+use crate::stage::all_passed;
 use crate::target::Target;
-use crate::tools::Tool;
+use crate::tools::{BULLET, ODE, PNG, Tool, VULKAN, VULKAN_HEADERS};
 use crate::vulkan;
-use crate::workspace::{Workspace, empty_directory, files, jobs};
+use crate::workspace::{Workspace, jobs};
 
 /// CMake projects whose programs are tests, each with the name of its build directory.
 pub const OURS: &[(&str, &str)] = &[("examples-c", "examples-c"), ("tests/c", "tests-c")];
@@ -22,10 +22,9 @@ pub const TESTS: &[(&str, &str)] = &[OURS[1]];
 /// All projects: ours and Unity's renderer plugin.
 const ALL: &[(&str, &str)] = &[OURS[0], OURS[1], ("bindings/unity/native~", "unity")];
 
-pub fn install_release(workspace: &Workspace) -> Result<Outcome> {
+pub fn install_release(workspace: &Workspace) -> Result<()> {
     let prefix = release_prefix(workspace)?;
-    abi::exported(&workspace.path(INCLUDE), &install::shared(&Target::host(workspace)?, &prefix))?;
-    Ok(Outcome::Passed)
+    abi::exported(&workspace.path(INCLUDE), &install::shared(&Target::host(workspace)?, &prefix))
 }
 
 /// Installs the release library of the present sources, once a run, and returns its folder.
@@ -42,29 +41,29 @@ pub fn release_prefix(workspace: &Workspace) -> Result<PathBuf> {
 /// How a set of projects is built and run.
 pub struct Build<'a> {
     /// The projects to build.
-    pub projects: &'a [(&'a str, &'a str)],
+    pub projects: &'static [(&'static str, &'static str)],
     /// Name of the directory that holds this kind's builds. Stages that compile alike share one.
     pub kind: &'a str,
     pub prefix: &'a Path,
     /// Whether programs run on drivers under Vulkan's validation layer.
     pub validation: bool,
     /// Further arguments for CMake.
-    pub options: &'a [&'a str],
+    pub options: Vec<String>,
     /// Whether the programs are for another system. They then use no library of this one.
     pub cross: bool,
     /// The program that runs each test program, with its arguments, separated by semicolons; empty for none.
-    pub launcher: &'a str,
+    pub launcher: String,
     /// Manifests of the Vulkan drivers that programs run on; may be empty.
-    pub drivers: &'a [PathBuf],
+    pub drivers: Vec<PathBuf>,
     /// A regular expression for names of tests that are not run; empty for none.
-    pub left_out: &'a str,
+    pub left_out: &'static str,
 }
 
 impl<'a> Build<'a> {
     /// All projects, without launcher and without Vulkan drivers.
     pub fn new(kind: &'a str, prefix: &'a Path) -> Self {
-        let (options, launcher, drivers, left_out) = (&[][..], "", &[][..], "");
-        Self { projects: ALL, kind, prefix, validation: true, options, cross: false, launcher, drivers, left_out }
+        let (options, launcher, drivers) = (Vec::new(), String::new(), Vec::new());
+        Self { projects: ALL, kind, prefix, validation: true, options, cross: false, launcher, drivers, left_out: "" }
     }
 }
 
@@ -85,25 +84,18 @@ pub fn test_projects(workspace: &Workspace, build: &Build<'_>) -> Result<()> {
     all_passed(results.collect())
 }
 
+/// Builds a project against an installed library.
 pub fn compile(workspace: &Workspace, build: &Build<'_>, source: &Path, directory: &Path) -> Result<()> {
-    configure(workspace, build, source, directory)?;
-    let jobs = jobs().to_string();
-    Ok(cmd!(workspace.shell, "cmake --build {directory} --config RelWithDebInfo --parallel {jobs}")
-        .ignore_stdout()
-        .run()?)
-}
-
-pub fn configure(workspace: &Workspace, build: &Build<'_>, source: &Path, directory: &Path) -> Result<()> {
-    let &Build { prefix, options, launcher, validation, .. } = build;
-    let sh = &workspace.shell;
+    let Build { prefix, options, launcher, validation, .. } = build;
+    let (sh, jobs) = (&workspace.shell, jobs().to_string());
     // A program must not be left out if what it needs is installed.
     let here = |tool: Tool| !build.cross && tool.here(workspace);
-    let ode = here(Tool::Ode).then_some("-DCRUMPLE_REQUIRE_ODE=ON");
-    let bullet = here(Tool::Bullet).then_some("-DCRUMPLE_REQUIRE_BULLET=ON");
-    let vulkan = (here(Tool::VulkanHeaders) && here(Tool::Png)).then_some("-DCRUMPLE_REQUIRE_VULKAN=ON");
+    let ode = here(ODE).then_some("-DCRUMPLE_REQUIRE_ODE=ON");
+    let bullet = here(BULLET).then_some("-DCRUMPLE_REQUIRE_BULLET=ON");
+    let vulkan = (here(VULKAN_HEADERS) && here(PNG)).then_some("-DCRUMPLE_REQUIRE_VULKAN=ON");
     let drivers: Vec<String> = build.drivers.iter().map(|manifest| manifest.display().to_string()).collect();
     let drivers = format!("-DCRUMPLE_VULKAN_DRIVERS={}", drivers.join(";"));
-    let validation = format!("-DCRUMPLE_VULKAN_VALIDATION={}", if validation { "ON" } else { "OFF" });
+    let validation = format!("-DCRUMPLE_VULKAN_VALIDATION={}", if *validation { "ON" } else { "OFF" });
     cmd!(
         sh,
         "cmake -S {source} -B {directory} -DCMAKE_PREFIX_PATH={prefix} -DCMAKE_BUILD_TYPE=RelWithDebInfo
@@ -113,24 +105,21 @@ pub fn configure(workspace: &Workspace, build: &Build<'_>, source: &Path, direct
     .quiet()
     .ignore_stdout()
     .run()?;
+    cmd!(sh, "cmake --build {directory} --config RelWithDebInfo --parallel {jobs}").ignore_stdout().run()?;
     Ok(())
 }
 
-pub fn ctest(workspace: &Workspace) -> Result<Outcome> {
+pub fn ctest(workspace: &Workspace) -> Result<()> {
     let prefix = release_prefix(workspace)?;
     let projects = if workspace.all { ALL } else { OURS };
-    let build = Build { projects, ..Build::new("release", &prefix) };
-    if !Tool::Vulkan.here(workspace) {
-        test_projects(workspace, &build)?;
-        return Ok(Outcome::Passed);
+    let mut build = Build { projects, ..Build::new("release", &prefix) };
+    if VULKAN.here(workspace) {
+        build.drivers = vulkan::drivers(workspace)?;
+        if workspace.all {
+            engine(workspace, &build)?;
+        }
     }
-    let drivers = vulkan::drivers(workspace)?;
-    let build = Build { drivers: &drivers.manifests, ..build };
-    if workspace.all {
-        engine(workspace, &build)?;
-    }
-    test_projects(workspace, &build)?;
-    Ok(drivers.passed())
+    test_projects(workspace, &build)
 }
 
 /// Builds and tests the VulkanSceneGraph client if CMake finds that engine. No distribution packages it, so the environment's
@@ -147,37 +136,30 @@ fn engine(workspace: &Workspace, build: &Build<'_>) -> Result<()> {
 
 /// Mesa's driver alone, for the slow stages. Valgrind does not know some instructions in Chromium's build of SwiftShader.
 pub fn one_driver(workspace: &Workspace) -> Result<Vec<PathBuf>> {
-    Tool::Vulkan.here(workspace).then(vulkan::lavapipe).into_iter().collect()
+    VULKAN.here(workspace).then(vulkan::lavapipe).into_iter().collect()
 }
 
 /// Runs the C and C++ tests under gcc's sanitizers, against a debug build of the library, which has its own checks on.
-pub fn sanitizers(workspace: &Workspace) -> Result<Outcome> {
-    if cfg!(not(target_os = "linux")) {
-        return Ok(Outcome::NotApplicable("done with gcc on Linux only".into()));
-    }
-    let prefix = debug_prefix(workspace)?;
+pub fn sanitizers(workspace: &Workspace) -> Result<()> {
+    let prefix = workspace.target.join("prefix-debug");
+    empty_directory(&prefix)?;
+    install::run(workspace, &prefix, Profile::Debug)?;
     let sh = &workspace.shell;
     let _asan = sh.push_env("ASAN_OPTIONS", "detect_leaks=1:strict_string_checks=1:detect_stack_use_after_return=1");
     let _ubsan = sh.push_env("UBSAN_OPTIONS", "print_stacktrace=1");
     let sanitizers = workspace.path("tests/c/sanitizers.cmake");
     let sanitizers = format!("-DCMAKE_PROJECT_INCLUDE={}", sanitizers.display());
     // The validation layer leaks memory of its own; stage "ctest" runs with it.
-    let drivers = one_driver(workspace)?;
-    let build =
-        Build { options: &[&sanitizers], validation: false, drivers: &drivers, ..Build::new("sanitizers", &prefix) };
-    test_projects(workspace, &build)?;
-    Ok(Outcome::Passed)
+    let (validation, drivers) = (false, one_driver(workspace)?);
+    let build = Build { options: vec![sanitizers], validation, drivers, ..Build::new("sanitizers", &prefix) };
+    test_projects(workspace, &build)
 }
 
-fn debug_prefix(workspace: &Workspace) -> Result<PathBuf> {
-    let prefix = workspace.target.join("prefix-debug");
-    empty_directory(&prefix)?;
-    install::run(workspace, &prefix, Profile::Debug)?;
-    Ok(prefix)
-}
-
-/// What tells CMake to compile for another system. Programs for Windows find Vulkan's headers and loader.
+/// What tells CMake to compile for another system; nothing for this one. Programs for Windows find Vulkan's headers and loader.
 pub fn cross_options(workspace: &Workspace, target: &Target) -> Result<Vec<String>> {
+    if !target.cross {
+        return Ok(Vec::new());
+    }
     let file = workspace.path(format!("xtask/platforms/{}.cmake", target.triple));
     let mut options = vec![format!("-DCMAKE_TOOLCHAIN_FILE={}", file.display())];
     if target.is_windows() {
@@ -198,20 +180,15 @@ fn vulkan_for_windows(workspace: &Workspace) -> Result<(PathBuf, PathBuf)> {
     let mut names = Vec::new();
     for part in ["vulkan", "vk_video"] {
         for file in files(&Path::new(&found).join(part))? {
-            let text = fs::read_to_string(&file).unwrap_or_default();
+            let text = read(&file)?;
             let declared = text.split("VKAPI_CALL ").skip(1).filter_map(|rest| rest.split_once('('));
             names.extend(declared.map(|(name, _)| name.trim().to_owned()).filter(|name| name.starts_with("vk")));
-            let name = file.file_name().context("files have names")?;
-            install::copy_as(&file, &include.join(part), &name.to_string_lossy())?;
+            copy_into(&file, &include.join(part))?;
         }
     }
-    if names.len() < 100 {
-        bail!("{found}/vulkan declares {} functions; that cannot be all", names.len());
-    }
+    ensure!(names.len() >= 100, "{found}/vulkan declares {} functions; that cannot be all", names.len());
     names.sort();
     names.dedup();
-    let exports = folder.join("vulkan-1.def");
-    fs::write(&exports, format!("LIBRARY vulkan-1.dll\nEXPORTS\n{}\n", names.join("\n")))?;
-    cmd!(sh, "llvm-dlltool -m i386:x86-64 -d {exports} -l {library}").quiet().run()?;
+    install::import_library(workspace, "vulkan-1.dll", &names, &library)?;
     Ok((include, library))
 }

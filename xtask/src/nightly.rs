@@ -1,12 +1,14 @@
-//! Checks that need Rust's nightly toolchain with the source of the standard library: ThreadSanitizer, MemorySanitizer and Miri.
+//! Checks of threads and memory: those that need Rust's nightly toolchain with the source of the standard library (ThreadSanitizer,
+//! MemorySanitizer and Miri), and tests with the locks of shuttle, which runs threads in orders of its own choice.
 
 use std::path::Path;
 
-use anyhow::{Result, ensure};
+use anyhow::{Result, bail, ensure};
 use xshell::cmd;
 
-use crate::stage::Outcome;
-use crate::workspace::{Workspace, empty_directory};
+use crate::files::empty_directory;
+use crate::stage::LeftOut;
+use crate::workspace::Workspace;
 
 /// Without devices and file formats, which share nothing between threads.
 const FEATURES: [&str; 3] = ["--no-default-features", "--features", "capi"];
@@ -46,14 +48,12 @@ fn available(workspace: &Workspace) -> bool {
 }
 
 /// Runs the tests of threads under ThreadSanitizer, with a standard library that is instrumented too.
-pub fn threads(workspace: &Workspace) -> Result<Outcome> {
+pub fn threads(workspace: &Workspace) -> Result<()> {
     if !available(workspace) {
-        return Ok(Outcome::NotApplicable(format!(
-            "there is no nightly toolchain with the library's source: {INSTALL}"
-        )));
+        let reason = format!("there is no nightly toolchain with the library's source: {INSTALL}");
+        bail!(LeftOut::NotApplicable(reason));
     }
-    sanitized(workspace, "thread", &[&["--"][..], &THREADED].concat())?;
-    Ok(Outcome::Passed)
+    sanitized(workspace, "thread", &[&["--"][..], &THREADED].concat())
 }
 
 /// Builds what [`threads`] runs.
@@ -132,5 +132,16 @@ pub fn miri(workspace: &Workspace) -> Result<()> {
     .env("MIRIFLAGS", "-Zmiri-disable-isolation -Zmiri-tree-borrows -Zmiri-ignore-leaks")
     .env("PROPTEST_CASES", "4")
     .run()?;
+    Ok(())
+}
+
+/// `cargo xtask schedules`: tests of threads with the locks of shuttle.
+pub fn schedules(workspace: &Workspace) -> Result<()> {
+    // A folder of its own: the flag builds everything again.
+    let home = workspace.target.join("schedules");
+    let arguments = ["--package", "crumple", "--lib", "--no-default-features", "--target-dir"];
+    cmd!(workspace.shell, "cargo test {arguments...} {home} -- instance::schedules")
+        .env("RUSTFLAGS", "--cfg shuttle")
+        .run()?;
     Ok(())
 }

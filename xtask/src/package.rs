@@ -10,23 +10,24 @@ pub mod markdown;
 mod paths;
 mod symbols;
 
-use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
 use xshell::cmd;
 
 use crate::command::Command;
+use crate::files::{copy_into, empty_directory, files};
 use crate::install::{self, Built, Profile};
 use crate::native;
 use crate::target::{self, Target};
-use crate::tools::{self, Tool};
+use crate::tools;
 use crate::wine::Wine;
-use crate::workspace::{Workspace, empty_directory, files};
+use crate::workspace::Workspace;
 
 pub use check::{stage, windows};
+pub use paths::nothing_of_this_machine;
 
 #[derive(Args)]
 pub struct Options {
@@ -76,39 +77,39 @@ pub struct Parts {
     handed_out: bool,
 }
 
-struct Packed {
+impl Parts {
+    /// Those that tests have, of the full flavour.
+    fn tested(library: Built, command: PathBuf) -> Self {
+        Self { flavour: &FULL, library, command: Some(command), handed_out: false }
+    }
+
     /// The name of the archive without its extension, and of the one folder in it.
-    name: String,
-    archive: PathBuf,
-    /// As in `Parts`.
-    handed_out: bool,
-    target: Target,
+    fn name(&self, workspace: &Workspace) -> String {
+        format!("crumple-{}-{}{}", workspace.version, self.library.target.triple, self.flavour.suffix)
+    }
 }
 
 pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
     let out = workspace.path(&options.out);
     let target = if options.windows { Target::other(target::WINDOWS) } else { Target::host(workspace)? };
-    let missing = tools::provide(workspace, &tools_for(&target))?;
-    ensure!(missing.is_empty(), "{}", tools::advice(&missing));
-    for flavour in [&SLIM, &FULL] {
-        if ![Choice::All, if flavour.suffix.is_empty() { Choice::Full } else { Choice::Slim }]
-            .contains(&options.flavour)
-        {
-            continue;
-        }
-        let packed = pack(workspace, &build(workspace, flavour, &target)?, &out)?;
+    if target.cross {
+        tools::require(workspace, tools::FOR_WINDOWS)?;
+    }
+    let flavours: &[&Flavour] = match options.flavour {
+        Choice::Slim => &[&SLIM],
+        Choice::Full => &[&FULL],
+        Choice::All => &[&SLIM, &FULL],
+    };
+    for flavour in flavours {
+        let parts = build(workspace, flavour, &target)?;
+        let archive = pack(workspace, &parts, &out)?;
         if options.check && target.cross {
-            check::under_wine(workspace, flavour, &packed, &Wine::start(workspace)?)?;
+            check::under_wine(workspace, &parts, &archive, &Wine::start(workspace)?)?;
         } else if options.check {
-            check::check(workspace, flavour, &packed)?;
+            check::check(workspace, &parts, &archive)?;
         }
     }
     Ok(())
-}
-
-/// The programs that make archives for another system.
-fn tools_for(target: &Target) -> BTreeSet<Tool> {
-    if target.cross { tools::WINDOWS_TOOLS.iter().copied().collect() } else { BTreeSet::new() }
 }
 
 fn build(workspace: &Workspace, flavour: &'static Flavour, target: &Target) -> Result<Parts> {
@@ -125,58 +126,48 @@ fn build(workspace: &Workspace, flavour: &'static Flavour, target: &Target) -> R
 /// The folder of the full flavour for this system. For handing out, everything in it is optimized as a whole, which takes minutes.
 /// Otherwise it has the release library and the tests' command, which other stages build too.
 pub fn full(workspace: &Workspace, handed_out: bool) -> Result<PathBuf> {
-    let target = Target::host(workspace)?;
-    let parts = if handed_out { build(workspace, &FULL, &target)? } else { tested(workspace, target)? };
+    let parts = if handed_out { build(workspace, &FULL, &Target::host(workspace)?)? } else { tested(workspace)? };
     Ok(lay_out(workspace, &parts)?.0)
 }
 
-/// The parts of the full flavour that tests have.
-fn tested(workspace: &Workspace, target: Target) -> Result<Parts> {
-    Ok(Parts {
-        flavour: &FULL,
-        library: install::installed(workspace, target, &native::release_prefix(workspace)?)?,
-        command: Some(Command::build(workspace, Profile::Debug, None)?.program().to_owned()),
-        handed_out: false,
-    })
+fn tested(workspace: &Workspace) -> Result<Parts> {
+    let library = install::installed(Target::host(workspace)?, &native::release_prefix(workspace)?);
+    Ok(Parts::tested(library, Command::build(workspace, Profile::Debug, None)?.program().to_owned()))
 }
 
 /// Lays out the folder and the folder with its debug symbols, both named like their archives.
 fn lay_out(workspace: &Workspace, parts: &Parts) -> Result<(PathBuf, PathBuf)> {
-    let flavour = parts.flavour;
-    let (target, triple) = (&parts.library.target, &parts.library.target.triple);
-    let name = format!("crumple-{}-{triple}{}", workspace.version, flavour.suffix);
-    let stage = workspace.target.join("package").join(triple).join(flavour.name);
+    let (target, name) = (&parts.library.target, parts.name(workspace));
+    let stage = workspace.target.join("package").join(&target.triple).join(parts.flavour.name);
     empty_directory(&stage)?;
     let (folder, debug) = (stage.join(&name), stage.join(format!("{name}-symbols")));
 
     install::lay_out(workspace, &parts.library, &folder)?;
     if let Some(command) = &parts.command {
-        let name = command.file_name().context("programs have names")?;
-        install::copy_as(command, &folder.join("bin"), &name.to_string_lossy())?;
+        copy_into(command, &folder.join("bin"))?;
     }
     symbols::separate(workspace, parts, &folder, &debug)?;
     let linked = licenses::linked(workspace, parts)?;
     paths::nothing_unlicensed(parts, &folder, &linked, &target.standard_packages(workspace)?)?;
-    licenses::write(workspace, &linked, &folder.join(licenses::FILE))?;
-    contents::copy(workspace, parts, &folder)?;
-    paths::nothing_of_this_machine(workspace, parts, &folder)?;
-    manifest::write(workspace, parts, &folder)?;
+    licenses::write_all(workspace, &linked, &folder)?;
+    contents::copy_all(workspace, parts, &folder)?;
+    let mut all = files(&folder)?;
+    all.retain(|file| parts.handed_out || file.parent() != Some(&*folder.join("bin")));
+    paths::nothing_of_this_machine(workspace, &all)?;
+    manifest::write_of(workspace, parts, &folder)?;
     Ok((folder, debug))
 }
 
-/// Lays out the folder and writes the archives to `out`.
-fn pack(workspace: &Workspace, parts: &Parts, out: &Path) -> Result<Packed> {
+/// Lays out the folder and writes the archives to `out`. Returns the one that does not hold the symbols.
+fn pack(workspace: &Workspace, parts: &Parts, out: &Path) -> Result<PathBuf> {
     let (folder, debug) = lay_out(workspace, parts)?;
-    let target = &parts.library.target;
-    let name = folder.file_name().context("the folder has a name")?.to_string_lossy().into_owned();
     fs::create_dir_all(out).with_context(|| format!("creating {}", out.display()))?;
-    let time = time(workspace)?;
-    let archive = archive::pack(&folder, out, time, target)?;
-    let debug = archive::pack(&debug, out, time, target)?;
+    let (time, target) = (time(workspace)?, &parts.library.target);
+    let [archive, debug] = [archive::pack(&folder, out, time, target)?, archive::pack(&debug, out, time, target)?];
     for file in [&archive, &debug] {
         println!("{} ({:.1} MB)", file.display(), fs::metadata(file)?.len() as f64 / 1e6);
     }
-    Ok(Packed { name, archive, handed_out: parts.handed_out, target: target.clone() })
+    Ok(archive)
 }
 
 /// The modification time of every entry: `SOURCE_DATE_EPOCH`, or the time of the commit.
@@ -196,13 +187,4 @@ fn git(workspace: &Workspace, arguments: &[&str]) -> Result<String> {
     let trusted = "safe.directory=*";
     let printed = cmd!(workspace.shell, "git -c {trusted} {arguments...}").quiet().read();
     printed.context("archives need a git checkout: they hold the files that git tracks")
-}
-
-/// A path relative to a folder, with slashes on every system.
-fn within(folder: &Path, path: &Path) -> Result<String> {
-    let inner =
-        path.strip_prefix(folder).with_context(|| format!("{} is not in {}", path.display(), folder.display()))?;
-    let parts: Vec<_> = inner.iter().map(|part| part.to_string_lossy()).collect();
-    ensure!(!parts.is_empty(), "{} is the folder itself", path.display());
-    Ok(parts.join("/"))
 }

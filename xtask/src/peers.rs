@@ -8,50 +8,38 @@ use xshell::cmd;
 
 use crate::blender;
 use crate::command::Command;
+use crate::files::empty_directory;
 use crate::install::Profile;
-use crate::stage::Outcome;
 use crate::tools;
-use crate::workspace::{Workspace, empty_directory};
+use crate::workspace::Workspace;
 
 const VALIDATOR: &str = "gltf-validator@2.0.0-dev.3.10";
 
 /// Blender opens every exported fixture and a body that the command dented.
-pub fn opens_exports(workspace: &Workspace) -> Result<Outcome> {
-    let python = match blender::module(workspace, blender::NEWEST) {
-        Ok(python) => python,
-        Err(error) => return Ok(Outcome::LeftOut(format!("{error:#}"))),
-    };
+pub fn opens_exports(workspace: &Workspace) -> Result<()> {
+    let python = blender::module(workspace, blender::NEWEST)?;
     let sh = &workspace.shell;
     let _required = [sh.push_env("CRUMPLE_REQUIRE_BLENDER", "1"), sh.push_env("CRUMPLE_BLENDER_PYTHON", &python)];
-    exporter_tests(workspace)?;
-    let dented = dented(workspace)?;
+    let dented = exported(workspace)?;
     cmd!(sh, "{python} tests/check_in_blender.py {dented}").ignore_stdout().run()?;
     println!("Blender opens {}", dented.display());
-    Ok(Outcome::Passed)
+    Ok(())
 }
 
 /// The validator finds no error and no warning in the same files.
-pub fn gltf_validator(workspace: &Workspace) -> Result<Outcome> {
-    let sh = &workspace.shell;
-    if let Err(error) = install_validator(workspace) {
-        return Ok(Outcome::LeftOut(format!("{VALIDATOR} cannot be installed: {error}")));
-    }
-    let _required = sh.push_env("CRUMPLE_REQUIRE_VALIDATOR", "1");
-    exporter_tests(workspace)?;
-    let dented = dented(workspace)?;
-    cmd!(sh, "node tests/validate_gltf.js {dented}").run()?;
-    println!("the validator finds nothing in {}", dented.display());
-    Ok(Outcome::Passed)
+pub fn gltf_validator(workspace: &Workspace) -> Result<()> {
+    install_validator(workspace)?;
+    let _required = workspace.shell.push_env("CRUMPLE_REQUIRE_VALIDATOR", "1");
+    let dented = exported(workspace)?;
+    validate(workspace, &[dented])
 }
 
-/// The validator finds no error and no warning in `files`, made by another stage.
-pub fn validate(workspace: &Workspace, files: &[PathBuf]) -> Result<Outcome> {
-    if let Err(error) = install_validator(workspace) {
-        return Ok(Outcome::InPart(format!("{VALIDATOR} cannot be installed: {error}")));
-    }
+/// The validator finds no error and no warning in `files`.
+pub fn validate(workspace: &Workspace, files: &[PathBuf]) -> Result<()> {
+    install_validator(workspace)?;
     cmd!(workspace.shell, "node tests/validate_gltf.js {files...}").quiet().run()?;
     println!("the validator finds nothing in {} files", files.len());
-    Ok(Outcome::Passed)
+    Ok(())
 }
 
 /// Installs it where tests/validate_gltf.js looks for it.
@@ -59,12 +47,9 @@ fn install_validator(workspace: &Workspace) -> Result<()> {
     tools::npm(workspace, &workspace.path("target/validator"), &[VALIDATOR]).map(drop)
 }
 
-fn exporter_tests(workspace: &Workspace) -> Result<()> {
-    Ok(workspace.tests(&["--test", "export_gltf"]).run()?)
-}
-
-/// The path of a body that the command dented.
-fn dented(workspace: &Workspace) -> Result<PathBuf> {
+/// Runs the exporter's tests. Returns the path of a body that the command dented.
+fn exported(workspace: &Workspace) -> Result<PathBuf> {
+    workspace.tests(&["--test", "export_gltf"]).run()?;
     let command = Command::build(workspace, Profile::Debug, None)?;
     let directory = workspace.target.join("dented");
     empty_directory(&directory)?;

@@ -2,27 +2,23 @@
 //! must equal, byte for byte, what the programs of this machine write. Vulkan under Wine uses this machine's drivers.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, ensure};
 use xshell::cmd;
 
+use crate::abi;
 use crate::command::Command;
-use crate::declarations::{self, Form, HEADERS, INCLUDE};
+use crate::declarations::{self, HEADERS, INCLUDE};
+use crate::files::{bytes, copy_into, empty_directory, files, read, within, write};
 use crate::install::{self, Built, Profile};
 use crate::native::{self, Build};
 use crate::package;
-use crate::stage::{Outcome, all_passed};
+use crate::stage::all_passed;
 use crate::target::{AARCH64, I686, Target, WINDOWS, launch};
-use crate::tools::Tool;
 use crate::vulkan;
 use crate::wine::Wine;
-use crate::workspace::{Workspace, empty_directory, files};
-
-pub const AARCH64_TOOLS: &[Tool] = &[Tool::CCompiler, Tool::CMake, Tool::AarchRust, Tool::AarchCompiler, Tool::Qemu];
-
-pub const I686_TOOLS: &[Tool] = &[Tool::CCompiler, Tool::CMake, Tool::I686Rust, Tool::I686Compiler];
+use crate::workspace::Workspace;
 
 /// Features of the build whose library, command and tests are all used.
 const FEATURES: &str = "cli,host-allocator";
@@ -54,14 +50,14 @@ struct Platform<'a> {
     runner: Vec<&'static str>,
 }
 
-pub fn windows(workspace: &Workspace) -> Result<Outcome> {
+pub fn windows(workspace: &Workspace) -> Result<()> {
     let wine = Wine::start(workspace)?;
     let platform = Platform { workspace, target: Target::other(WINDOWS), runner: vec![wine.program] };
     compile(workspace, &platform.target, &[WINDOWS_TESTS, VULKAN_TESTS])?;
     let prefix = platform.install()?;
     let _found = wine.libraries(&[&prefix.join("bin")]);
     all_passed(vec![
-        ("the archive", package::windows(workspace, &wine, platform.built()?, platform.command())),
+        ("the archive", package::windows(workspace, &wine, platform.built(), platform.command())),
         ("Microsoft's linker", platform.microsoft(&prefix)),
         ("the C and C++ tests", platform.c(&prefix)),
         ("the Rust tests", platform.rust(WINDOWS_TESTS, &[])),
@@ -70,11 +66,10 @@ pub fn windows(workspace: &Workspace) -> Result<Outcome> {
             platform.rust(VULKAN_TESTS, &[])
         }),
         ("the same files", platform.same_files()),
-    ])?;
-    Ok(Outcome::Passed)
+    ])
 }
 
-pub fn aarch64(workspace: &Workspace) -> Result<Outcome> {
+pub fn aarch64(workspace: &Workspace) -> Result<()> {
     let runner = ["qemu-aarch64", "-L", "/usr/aarch64-linux-gnu"].to_vec();
     let platform = Platform { workspace, target: Target::other(AARCH64), runner };
     compile(workspace, &platform.target, &[AARCH64_TESTS])?;
@@ -83,11 +78,10 @@ pub fn aarch64(workspace: &Workspace) -> Result<Outcome> {
         ("the C and C++ tests", platform.c(&prefix)),
         ("the Rust tests", platform.rust(AARCH64_TESTS, &["quick_", "a_body_dents_alike_in_any_unit", "far_from"])),
         ("the same files", platform.same_files()),
-    ])?;
-    Ok(Outcome::Passed)
+    ])
 }
 
-pub fn i686(workspace: &Workspace) -> Result<Outcome> {
+pub fn i686(workspace: &Workspace) -> Result<()> {
     // The processor runs them. The cross compiler's package has the libraries, not where the system looks for them.
     let runner = vec!["/usr/i686-linux-gnu/lib/ld-linux.so.2", "--library-path", "/usr/i686-linux-gnu/lib"];
     let platform = Platform { workspace, target: Target::other(I686), runner };
@@ -97,8 +91,7 @@ pub fn i686(workspace: &Workspace) -> Result<Outcome> {
         ("the C and C++ tests", platform.c(&prefix)),
         ("the Rust tests", platform.rust(I686_TESTS, &[])),
         ("the same files", platform.same_files()),
-    ])?;
-    Ok(Outcome::Passed)
+    ])
 }
 
 /// Builds what the stages run.
@@ -117,7 +110,7 @@ fn compile(workspace: &Workspace, target: &Target, tests: &[&[&str]]) -> Result<
 }
 
 impl Platform<'_> {
-    fn built(&self) -> Result<Built> {
+    fn built(&self) -> Built {
         install::built(self.workspace, self.target.clone(), Profile::Debug, install::FEATURES)
     }
 
@@ -128,25 +121,25 @@ impl Platform<'_> {
     fn install(&self) -> Result<PathBuf> {
         let prefix = self.workspace.target.join("prefix").with_file_name(format!("prefix-{}", self.target.triple));
         empty_directory(&prefix)?;
-        install::lay_out(self.workspace, &self.built()?, &prefix)?;
-        abi_of(self.workspace, &self.target, &prefix)?;
+        install::lay_out(self.workspace, &self.built(), &prefix)?;
+        let shared = install::shared(&self.target, &prefix);
+        abi::exported(&self.workspace.path(INCLUDE), &shared)?;
+        install::loads_well(self.workspace, &self.target, &shared)?;
         Ok(prefix)
     }
 
     /// Runs C and C++ programs, and compares the files that they leave.
     fn c(&self, prefix: &Path) -> Result<()> {
-        let options = native::cross_options(self.workspace, &self.target)?;
-        let options: Vec<&str> = options.iter().map(String::as_str).collect();
-        let (kind, launcher) = (self.target.triple.as_str(), self.runner.join(";"));
+        let kind = self.target.triple.as_str();
         let build = Build {
             projects: native::OURS,
-            options: &options,
-            launcher: &launcher,
+            options: native::cross_options(self.workspace, &self.target)?,
+            launcher: self.runner.join(";"),
             cross: true,
             // Wine has no validation layer.
             validation: false,
             left_out: if self.target.triple == AARCH64 { SLOW } else { "" },
-            drivers: &if self.target.is_windows() { native::one_driver(self.workspace)? } else { Vec::new() },
+            drivers: if self.target.is_windows() { native::one_driver(self.workspace)? } else { Vec::new() },
             ..Build::new(kind, prefix)
         };
         native::test_projects(self.workspace, &build)?;
@@ -160,8 +153,7 @@ impl Platform<'_> {
         let (ours, theirs) = (here.join("out/hood.obj"), there.join("examples-c/out/hood.obj"));
         cmd!(self.workspace.shell, "{dent} {hood} {ours}").quiet().ignore_stdout().run()?;
         // A program in C writes text with the system's ends of lines.
-        let same = fs::read_to_string(&ours)? == fs::read_to_string(&theirs)?.replace("\r\n", "\n");
-        ensure!(same, "{} and {} differ", ours.display(), theirs.display());
+        ensure!(read(&ours)? == read(&theirs)?, "{} and {} differ", ours.display(), theirs.display());
         Ok(())
     }
 
@@ -176,12 +168,12 @@ impl Platform<'_> {
     /// The command writes the same files and prints the same reports.
     fn same_files(&self) -> Result<()> {
         let native = Command::build(self.workspace, Profile::Debug, None)?;
-        let ours = answers(self.workspace, &self.workspace.target.join("same/host"), &[], native.program(), QUESTIONS)?;
+        let ours = answers(self.workspace, &self.workspace.target.join("same/host"), &[], native.program())?;
         let folder = self.workspace.target.join("same").join(&self.target.triple);
-        let theirs = answers(self.workspace, &folder, &self.runner, &self.command(), QUESTIONS)?;
-        let names = |all: &BTreeMap<String, Vec<u8>>| all.keys().cloned().collect::<Vec<_>>();
-        ensure!(names(&ours) == names(&theirs), "files here: {:?}, there: {:?}", names(&ours), names(&theirs));
-        ensure!(ours.len() > INPUT.len() + QUESTIONS.len(), "the command wrote only {:?}", names(&ours));
+        let theirs = answers(self.workspace, &folder, &self.runner, &self.command())?;
+        let (names, others): (Vec<_>, Vec<_>) = (ours.keys().collect(), theirs.keys().collect());
+        ensure!(names == others, "files here: {names:?}, there: {others:?}");
+        ensure!(names.len() > INPUT.len() + QUESTIONS.len(), "the command wrote only {names:?}");
         let differ: Vec<&String> = ours.keys().filter(|name| ours[*name] != theirs[*name]).collect();
         ensure!(differ.is_empty(), "{differ:?} in {} are other than this machine's", folder.display());
         println!("{} files of the command are the same bytes as this machine's", ours.len() - INPUT.len());
@@ -195,7 +187,8 @@ impl Platform<'_> {
         empty_directory(&folder)?;
         let (include, import) = (prefix.join("include"), prefix.join("lib/crumple.dll.lib"));
         let (source, object) = (self.workspace.path("xtask/platforms/msvc.c"), folder.join("client.obj"));
-        let functions = functions(&declarations::read(&self.workspace.path(INCLUDE))?)?;
+        let functions = declarations::functions(&declarations::read(&self.workspace.path(INCLUDE))?)?;
+        let functions: Vec<String> = functions.into_iter().map(|item| item.name).collect();
         let all = format!("-DALL={}", functions.join(","));
         let microsoft = ["--target=x86_64-pc-windows-msvc", "-ffreestanding", "-Wall", "-Wextra", "-Werror"];
         for (language, standard) in [("c", "-std=c99"), ("c++", "-std=c++17")] {
@@ -215,43 +208,20 @@ impl Platform<'_> {
     }
 }
 
-/// The installed library exports what the header declares. A DLL needs nothing but Windows beside it.
-fn abi_of(workspace: &Workspace, target: &Target, prefix: &Path) -> Result<()> {
-    let shared = install::shared(target, prefix);
-    crate::abi::exported(&workspace.path(INCLUDE), &shared)?;
-    if target.is_windows() { install::needs_windows_alone(&shared) } else { install::stays_loaded(&shared) }
-}
-
-fn functions(header: &str) -> Result<Vec<String>> {
-    let items = declarations::header(header)?.into_iter();
-    Ok(items.filter(|item| matches!(item.form, Form::Function { .. })).map(|item| item.name).collect())
-}
-
 /// Asks the command everything in an empty folder, and returns the files there.
-fn answers(
-    workspace: &Workspace,
-    folder: &Path,
-    runner: &[&str],
-    program: &Path,
-    questions: &[Question],
-) -> Result<BTreeMap<String, Vec<u8>>> {
+fn answers(workspace: &Workspace, folder: &Path, runner: &[&str], program: &Path) -> Result<BTreeMap<String, Vec<u8>>> {
     empty_directory(folder)?;
     for file in INPUT {
-        let name = Path::new(file).file_name().context("files have names")?;
-        fs::copy(workspace.path(file), folder.join(name)).with_context(|| format!("copying {file}"))?;
+        copy_into(&workspace.path(file), folder)?;
     }
     let sh = workspace.shell.clone();
     sh.change_dir(folder);
-    for (file, question) in questions {
+    for (file, question) in QUESTIONS {
         let answer = launch(&sh, runner, program).args(*question).read()?;
         // Windows' separator.
-        fs::write(folder.join(file), without_times(&answer).replace('\\', "/"))?;
+        write(&folder.join(file), without_times(&answer).replace('\\', "/"))?;
     }
-    let file = |path: PathBuf| {
-        let name = path.strip_prefix(folder)?.to_string_lossy().replace('\\', "/");
-        Ok((name, fs::read(path)?))
-    };
-    files(folder)?.into_iter().map(file).collect()
+    files(folder)?.iter().map(|path| Ok((within(folder, path)?, bytes(path)?))).collect()
 }
 
 /// A report with `_` in place of each number of milliseconds.

@@ -1,12 +1,12 @@
 //! `docs/reference.md` of an archive: the C interface as a page, made of the headers' comments.
 
 use std::collections::BTreeSet;
-use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result};
 
 use crate::declarations::{self, HEADERS, Item};
+use crate::files::read;
 
 pub const PAGE: &str = "docs/reference.md";
 const OPENING: &str = "# The C interface
@@ -20,7 +20,7 @@ pub fn page(include: &Path) -> Result<String> {
     let known: BTreeSet<&str> = all.iter().map(|item| item.name.as_str()).collect();
     let mut page = OPENING.to_owned();
     for file in HEADERS {
-        let header = fs::read_to_string(include.join(file))?;
+        let header = read(&include.join(file))?;
         let opening = header.lines().map_while(|line| line.strip_prefix("//"));
         let opening: Vec<_> = opening.map(|line| line.strip_prefix(' ').unwrap_or(line)).collect();
         page += &format!("\n## {file}\n\n```text\n{}\n```\n", opening.join("\n").trim());

@@ -2,14 +2,14 @@
 //! a room import each other without circles. Tests inside `src` are exempt, and so is `lib.rs`.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
 
 use anyhow::{Context, Result, ensure};
 use proc_macro2::{Ident, TokenStream, TokenTree};
 use syn::visit::{self, Visit};
 use syn::{Attribute, Item, ItemFn, ItemImpl, ItemMod, ItemUse, UseTree, Visibility};
 
-use crate::workspace::{Workspace, files};
+use crate::files::{files_of, read, within};
+use crate::workspace::Workspace;
 
 /// From top to bottom. Rooms that a bar joins do not import each other.
 const ROOMS: &str = "base mesh basis predict example damage select bake deform classic instance contacts io gpu graph|vulkan|wgpu capi bin";
@@ -19,11 +19,10 @@ type Module = Vec<String>;
 
 pub fn run(workspace: &Workspace) -> Result<()> {
     let root = workspace.path("src");
-    let mut sources = Vec::new();
-    for path in files(&root)?.iter().filter(|path| path.extension().is_some_and(|extension| extension == "rs")) {
-        let name = path.strip_prefix(&root)?.to_string_lossy().replace('\\', "/");
-        sources.push((name, fs::read_to_string(path)?));
-    }
+    let sources = files_of(&root, &["rs"])?
+        .iter()
+        .map(|path| Ok((within(&root, path)?, read(path)?)))
+        .collect::<Result<Vec<_>>>()?;
     let findings = check(&sources)?;
     findings.iter().for_each(|finding| println!("{finding}"));
     ensure!(findings.is_empty(), "{} imports of src break the order of the rooms", findings.len());

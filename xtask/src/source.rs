@@ -6,13 +6,12 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, ensure};
 use xshell::cmd;
 
-use crate::install;
+use crate::files::{bytes, copy_into, empty_directory, files};
 use crate::native;
 use crate::package::manifest::sha256;
 use crate::python;
-use crate::stage::Outcome;
-use crate::tools::Tool;
-use crate::workspace::{Workspace, empty_directory, files};
+use crate::tools::PYTHON3;
+use crate::workspace::Workspace;
 
 /// A project of a user.
 const CLIENT: &str = "xtask/package/client";
@@ -21,10 +20,7 @@ const REQUIREMENTS: &str = "xtask/package/requirements.txt";
 
 /// A program fetches the library's source with CMake, which builds it by Cargo. The same project installs the files that
 /// `cargo xtask install` does, and a program finds them.
-pub fn cmake(workspace: &Workspace) -> Result<Outcome> {
-    if cfg!(windows) {
-        return Ok(Outcome::NotApplicable("not tried on Windows".into()));
-    }
+pub fn cmake(workspace: &Workspace) -> Result<()> {
     let (prefix, directory) = (native::release_prefix(workspace)?, workspace.target.join("cmake"));
     empty_directory(&directory)?;
     let (sh, root) = (&workspace.shell, &workspace.root);
@@ -47,19 +43,19 @@ pub fn cmake(workspace: &Workspace) -> Result<Outcome> {
         let client = build(&workspace.path(CLIENT), name, &[option])?;
         cmd!(sh, "ctest --test-dir {client} --output-on-failure --no-tests=error").run()?;
     }
-    Ok(Outcome::Passed)
+    Ok(())
 }
 
 /// Conan builds the package of the recipe, and a program finds it.
-pub fn conan(workspace: &Workspace) -> Result<Outcome> {
-    let python = python::environment(workspace, Tool::Python3, "conan-venv", REQUIREMENTS)?;
+pub fn conan(workspace: &Workspace) -> Result<()> {
+    let python = python::environment(workspace, PYTHON3, "conan-venv", REQUIREMENTS)?;
     let (sh, root) = (&workspace.shell, &workspace.root);
     let (conan, home) = (python.with_file_name("conan"), workspace.target.join("conan"));
     empty_directory(&home)?;
     // Conan builds the program where its source is.
     let client = home.join("client");
     for file in files(&workspace.path(CLIENT))? {
-        install::copy(&file, &client)?;
+        copy_into(&file, &client)?;
     }
     let _home = sh.push_env("CONAN_HOME", &home);
     // Cargo builds in a folder below, and finds the dependencies that the installer built. The library alone is another one, which is not
@@ -74,18 +70,18 @@ pub fn conan(workspace: &Workspace) -> Result<Outcome> {
     let target = format!("tools.cmake.cmaketoolchain:extra_variables={{'CRUMPLE_CARGO_TARGET_DIR': {target}}}");
     cmd!(sh, "{conan} profile detect").quiet().ignore_stdout().ignore_stderr().run()?;
     cmd!(sh, "{conan} create {root} --test-folder {client} --conf {target}").ignore_stdout().run()?;
-    Ok(Outcome::Passed)
+    Ok(())
 }
 
 /// The crate compiles from the files that crates.io gets.
-pub fn crates_io(workspace: &Workspace) -> Result<Outcome> {
+pub fn crates_io(workspace: &Workspace) -> Result<()> {
     // Cargo's own check takes another folder each time, so that nothing can be compiled ahead.
     let package = ["package", "--quiet", "--allow-dirty", "--no-verify", "--package", "crumple"];
     workspace.cargo(&package).run()?;
     let name = format!("crumple-{}", workspace.version);
     let file = workspace.target.join("package").join(format!("{name}.crate"));
     // The archive's files all have one time, by which Cargo would take changed ones for those that it has compiled.
-    let (home, version) = (workspace.target.join("crate"), sha256(&fs::read(&file)?));
+    let (home, version) = (workspace.target.join("crate"), sha256(&bytes(&file)?));
     let (sh, to) = (&workspace.shell, home.join(version));
     let (manifest, target) = (to.join(name).join("Cargo.toml"), home.join("target"));
     empty_directory(&to)?;
@@ -94,7 +90,7 @@ pub fn crates_io(workspace: &Workspace) -> Result<Outcome> {
     let text = fs::read_to_string(&manifest)? + "\n[workspace]\n";
     fs::write(&manifest, text)?;
     cmd!(sh, "cargo check --locked --manifest-path {manifest} --target-dir {target}").run()?;
-    Ok(Outcome::Passed)
+    Ok(())
 }
 
 /// Two folders hold the same files with the same bytes.
@@ -106,7 +102,7 @@ fn same_files(one: &Path, other: &Path) -> Result<()> {
     ensure!(names == others, "{} holds {names:?}, {} holds {others:?}", one.display(), other.display());
     for name in names {
         let (one, other) = (one.join(&name), other.join(&name));
-        ensure!(fs::read(&one)? == fs::read(&other)?, "{} and {} differ", one.display(), other.display());
+        ensure!(bytes(&one)? == bytes(&other)?, "{} and {} differ", one.display(), other.display());
     }
     Ok(())
 }

@@ -1,8 +1,7 @@
 //! Stages of `cargo xtask test` and `cargo xtask ci`. Every stage runs, and a table at the end says how each one ended and how long
 //! it took.
 
-use std::collections::BTreeSet;
-use std::fmt::Write;
+use std::fmt::{self, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::process::{Child, Command, Stdio};
 use std::time::Instant;
@@ -12,27 +11,61 @@ use anyhow::{Result, bail, ensure};
 use crate::tools::{self, Tool};
 use crate::workspace::Workspace;
 
-/// How a stage that did not fail ended.
-pub enum Outcome {
-    Passed,
-    /// Passed, but a missing program left out a part of it. The text names the program.
-    InPart(String),
-    /// Did not run because a program is missing. The text names it.
-    LeftOut(String),
-    /// Has nothing to do here, for the reason given. No installation changes that.
-    NotApplicable(String),
-}
-
 pub struct Stage {
     pub name: &'static str,
     /// What passing it shows.
-    pub shows: &'static str,
-    pub needs: &'static [Tool],
+    shows: &'static str,
+    needs: &'static [Tool],
     /// Without these it runs, but leaves something out.
-    pub wants: &'static [Tool],
+    wants: &'static [Tool],
     /// Large folders of the target directory that no later stage reads.
-    pub leaves: &'static [&'static str],
-    pub run: fn(&Workspace) -> Result<Outcome>,
+    leaves: &'static [&'static str],
+    /// Why it has nothing to do on this system.
+    elsewhere: Option<&'static str>,
+    run: fn(&Workspace) -> Result<()>,
+}
+
+impl Stage {
+    pub const fn new(name: &'static str, run: fn(&Workspace) -> Result<()>) -> Self {
+        Self { name, shows: "", needs: &[], wants: &[], leaves: &[], elsewhere: None, run }
+    }
+
+    pub const fn shows(self, shows: &'static str) -> Self {
+        Self { shows, ..self }
+    }
+
+    pub const fn needs(self, needs: &'static [Tool]) -> Self {
+        Self { needs, ..self }
+    }
+
+    pub const fn wants(self, wants: &'static [Tool]) -> Self {
+        Self { wants, ..self }
+    }
+
+    pub const fn leaves(self, leaves: &'static [&'static str]) -> Self {
+        Self { leaves, ..self }
+    }
+
+    /// Unless `here` it has nothing to do, for the reason given.
+    pub const fn only(self, here: bool, reason: &'static str) -> Self {
+        Self { elsewhere: if here { None } else { Some(reason) }, ..self }
+    }
+}
+
+/// The error of a stage that does not run. It says why.
+#[derive(Debug)]
+pub enum LeftOut {
+    /// A program is missing, or cannot be fetched.
+    Missing(String),
+    /// It has nothing to do here. No installation changes that.
+    NotApplicable(String),
+}
+
+impl fmt::Display for LeftOut {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (Self::Missing(reason) | Self::NotApplicable(reason)) = self;
+        f.write_str(reason)
+    }
 }
 
 #[derive(Clone, Copy, Default)]
@@ -55,6 +88,7 @@ enum Verdict {
     Passed,
     /// Failed, and passed when it ran again.
     SecondTry,
+    /// Passed, but left out a part.
     InPart,
     LeftOut,
     Failed,
@@ -93,23 +127,17 @@ impl Drop for Ahead {
 
 /// Runs `stages` in order, prints the closing table, and fails if any stage failed.
 pub fn run_all(workspace: &Workspace, stages: &[&Stage], rules: Rules) -> Result<()> {
-    let used = |tool: &Tool| workspace.all || tool.for_everybody();
-    let wanted: BTreeSet<Tool> = stages
-        .iter()
-        .flat_map(|stage| stage.needs.iter().chain(stage.wants.iter().filter(|tool| used(tool))))
-        .copied()
-        .collect();
-    let missing = tools::provide(workspace, &wanted)?;
+    let used = |tool: &&Tool| workspace.all || !tools::FOR_ALL.contains(tool);
+    let wanted = |stage: &&Stage| stage.needs.iter().chain(stage.wants.iter().filter(used));
+    let missing = tools::provide(workspace, stages.iter().flat_map(wanted))?;
     let _ahead = rules.ahead.then(Ahead::start);
     let rows = run_each(stages, rules, |stage| {
-        let outcome = run_one(workspace, stage, &missing)?;
-        if rules.tidy {
-            for folder in stage.leaves {
-                // What cannot be removed only costs disk.
-                let _ = workspace.shell.remove_path(workspace.target.join(folder));
-            }
+        let left_out = run_one(workspace, stage, &missing)?;
+        for folder in stage.leaves.iter().filter(|_| rules.tidy) {
+            // What cannot be removed only costs disk.
+            let _ = workspace.shell.remove_path(workspace.target.join(folder));
         }
-        Ok(outcome)
+        Ok(left_out)
     });
     print!("\n{}", table(&rows, workspace.all));
     let failed: Vec<&str> = rows.iter().filter(|row| row.verdict == Verdict::Failed).map(|row| row.name).collect();
@@ -117,19 +145,22 @@ pub fn run_all(workspace: &Workspace, stages: &[&Stage], rules: Rules) -> Result
     Ok(())
 }
 
-fn run_one(workspace: &Workspace, stage: &Stage, missing: &BTreeSet<Tool>) -> Result<Outcome> {
-    let missing_of = |tools: &[Tool]| tools.iter().filter(|tool| missing.contains(tool)).copied().collect();
-    let (needs, wants): (BTreeSet<Tool>, BTreeSet<Tool>) = (missing_of(stage.needs), missing_of(stage.wants));
-    if !needs.is_empty() {
-        return Ok(Outcome::LeftOut(tools::advice(&needs)));
+/// Returns why a part was left out, if one was.
+fn run_one(workspace: &Workspace, stage: &Stage, missing: &[Tool]) -> Result<Option<String>> {
+    if let Some(reason) = stage.elsewhere {
+        bail!(LeftOut::NotApplicable(reason.to_owned()));
     }
-    Ok(match (stage.run)(workspace)? {
-        Outcome::Passed if !wants.is_empty() => Outcome::InPart(tools::advice(&wants)),
-        outcome => outcome,
-    })
+    let missing_of = |tools: &[Tool]| tools.iter().filter(|tool| missing.contains(tool)).copied().collect::<Vec<_>>();
+    let (needs, wants) = (missing_of(stage.needs), missing_of(stage.wants));
+    if !needs.is_empty() {
+        bail!(LeftOut::Missing(tools::advice(&needs)));
+    }
+    workspace.left_out.take();
+    (stage.run)(workspace)?;
+    Ok(workspace.left_out.take().or_else(|| (!wants.is_empty()).then(|| tools::advice(&wants))))
 }
 
-fn run_each(stages: &[&Stage], rules: Rules, mut run: impl FnMut(&Stage) -> Result<Outcome>) -> Vec<Row> {
+fn run_each(stages: &[&Stage], rules: Rules, mut run: impl FnMut(&Stage) -> Result<Option<String>>) -> Vec<Row> {
     let mut rows: Vec<Row> = Vec::new();
     for stage in stages {
         let stopped = rules.fail_fast && rows.iter().any(|row| row.verdict == Verdict::Failed);
@@ -141,25 +172,35 @@ fn run_each(stages: &[&Stage], rules: Rules, mut run: impl FnMut(&Stage) -> Resu
         });
     }
     if rules.retry && !rules.fail_fast {
-        for (stage, row) in stages.iter().zip(&mut rows).filter(|(_, row)| row.verdict == Verdict::Failed) {
-            try_again(stage, row, rules, &mut run);
+        for (stage, first) in stages.iter().zip(&mut rows).filter(|(_, row)| row.verdict == Verdict::Failed) {
+            println!("\n== {} failed and runs once more", stage.name);
+            let second = row(stage, rules, &mut run);
+            // The row keeps why it failed first, and has the seconds of both runs.
+            first.seconds += second.seconds;
+            if second.verdict != Verdict::Failed {
+                first.verdict = Verdict::SecondTry;
+            }
         }
     }
     rows
 }
 
-fn row(stage: &Stage, rules: Rules, run: &mut impl FnMut(&Stage) -> Result<Outcome>) -> Row {
+fn row(stage: &Stage, rules: Rules, run: &mut impl FnMut(&Stage) -> Result<Option<String>>) -> Row {
     println!("\n== {}: {}", stage.name, stage.shows);
     let start = Instant::now();
     // A stage that panics must not end the others.
-    let outcome = catch_unwind(AssertUnwindSafe(|| run(stage))).unwrap_or_else(|_| bail!("the stage panicked"));
-    let (verdict, reason) = match outcome {
-        Ok(Outcome::Passed) => (Verdict::Passed, String::new()),
-        Ok(Outcome::NotApplicable(reason)) => (Verdict::LeftOut, reason),
-        Ok(Outcome::InPart(reason)) if !rules.require_all => (Verdict::InPart, reason),
-        Ok(Outcome::LeftOut(reason)) if !rules.require_all => (Verdict::LeftOut, reason),
-        Ok(Outcome::InPart(reason) | Outcome::LeftOut(reason)) => (Verdict::Failed, reason),
-        Err(error) => (Verdict::Failed, format!("{error:#}")),
+    let ended = catch_unwind(AssertUnwindSafe(|| run(stage))).unwrap_or_else(|_| bail!("the stage panicked"));
+    let (verdict, reason) = match ended {
+        Ok(None) => (Verdict::Passed, String::new()),
+        Ok(Some(reason)) => (if rules.require_all { Verdict::Failed } else { Verdict::InPart }, reason),
+        Err(error) => {
+            let verdict = match error.downcast_ref() {
+                Some(LeftOut::NotApplicable(_)) => Verdict::LeftOut,
+                Some(LeftOut::Missing(_)) if !rules.require_all => Verdict::LeftOut,
+                _ => Verdict::Failed,
+            };
+            (verdict, format!("{error:#}"))
+        }
     };
     let seconds = start.elapsed().as_secs_f64();
     println!("== {}: {} after {seconds:.1} s", stage.name, verdict.word());
@@ -167,16 +208,6 @@ fn row(stage: &Stage, rules: Rules, run: &mut impl FnMut(&Stage) -> Result<Outco
         println!("{reason}");
     }
     Row { name: stage.name, verdict, seconds, reason }
-}
-
-/// Runs a stage again that failed. Its row keeps why it failed first, and has the seconds of both runs.
-fn try_again(stage: &Stage, first: &mut Row, rules: Rules, run: &mut impl FnMut(&Stage) -> Result<Outcome>) {
-    println!("\n== {} failed and runs once more", stage.name);
-    let second = row(stage, rules, run);
-    first.seconds += second.seconds;
-    if second.verdict != Verdict::Failed {
-        first.verdict = Verdict::SecondTry;
-    }
 }
 
 /// Fails with the names of what failed, after printing why.
@@ -239,7 +270,7 @@ mod tests {
     use super::*;
 
     const fn stage(name: &'static str) -> Stage {
-        Stage { name, shows: "", needs: &[], wants: &[], leaves: &[], run: |_| Ok(Outcome::Passed) }
+        Stage::new(name, |_| Ok(()))
     }
 
     const STAGES: &[&Stage] = &[
@@ -254,20 +285,18 @@ mod tests {
 
     fn verdicts(rules: Rules) -> Vec<Verdict> {
         let mut tries = 0;
-        let rows = run_each(STAGES, rules, |stage| {
-            Ok(match stage.name {
-                "good" => Outcome::Passed,
-                "bad" => bail!("two is not three\nand more"),
-                "partial" => Outcome::InPart("no ODE".into()),
-                "absent" => Outcome::LeftOut("no CMake".into()),
-                "unsteady" => {
-                    tries += 1;
-                    ensure!(tries > 1, "a race");
-                    Outcome::Passed
-                }
-                "panics" => panic!("a panic that a test makes"),
-                _ => Outcome::NotApplicable("no tag".into()),
-            })
+        let rows = run_each(STAGES, rules, |stage| match stage.name {
+            "good" => Ok(None),
+            "bad" => bail!("two is not three\nand more"),
+            "partial" => Ok(Some("no ODE".into())),
+            "absent" => bail!(LeftOut::Missing("no CMake".into())),
+            "unsteady" => {
+                tries += 1;
+                ensure!(tries > 1, "a race");
+                Ok(None)
+            }
+            "panics" => panic!("a panic that a test makes"),
+            _ => bail!(LeftOut::NotApplicable("no tag".into())),
         });
         rows.iter().map(|row| row.verdict).collect()
     }

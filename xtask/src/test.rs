@@ -4,8 +4,12 @@ use anyhow::{Result, bail};
 use clap::Args;
 
 use crate::ci::CHECKS;
-use crate::stage::{self, Outcome, Rules, Stage};
-use crate::tools::{self, Tool};
+use crate::stage::{self, Rules, Stage};
+use crate::tools::{
+    AARCH64_CC, AARCH64_RUST, ABIGAIL, ASSIMP, BLENDER_LIBRARIES, BULLET, CC, CHROMIUM, CMAKE, CXX, FOR_WINDOWS,
+    I686_CC, I686_RUST, LLVM, MONO, NPM, ODE, PKG_CONFIG, PNG, PYTHON3, PYTHON311, QEMU, VALGRIND, VULKAN,
+    VULKAN_HEADERS, WEB_RUST, XVFB,
+};
 use crate::workspace::Workspace;
 use crate::{
     abi, blender, car, csharp, demo, engines, exporters, fuzz, godot, native, nightly, package, peers, platforms,
@@ -34,232 +38,117 @@ pub struct Options {
 /// The stages of `cargo xtask test` without options: everybody can run them within minutes.
 const FOR_EVERYBODY: &[&str] = &["install", "cmake", "vulkan", "rust", "ctest"];
 
+const LINUX_X86_64: bool = cfg!(all(target_os = "linux", target_arch = "x86_64"));
+
 /// In the order in which they run: what is compiled ahead runs late. A new kind of test is one more entry here.
 const STAGES: &[Stage] = &[
-    Stage {
-        name: "install",
-        shows: "the C library installs into target/prefix and exports what the header declares",
-        needs: &[Tool::CCompiler],
-        wants: &[],
-        leaves: &[],
-        run: native::install_release,
-    },
-    Stage {
-        name: "cmake",
-        shows: "a CMake project that fetches the source builds it by Cargo, and installs what the installer does",
-        needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake],
-        wants: &[],
-        leaves: &["cmake"],
-        run: source::cmake,
-    },
-    Stage {
-        name: "conan",
-        shows: "Conan makes a package from the source, and a program finds it",
-        needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake, Tool::Python3],
-        wants: &[],
-        leaves: &["conan", "conan-venv"],
-        run: source::conan,
-    },
-    Stage {
-        name: "package",
-        shows: "the unpacked archive matches its manifest, and its examples run by CMake and pkg-config, shared and static",
-        needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake, Tool::PkgConfig],
-        wants: &[Tool::Ode, Tool::Bullet, Tool::VulkanHeaders, Tool::Png],
-        leaves: &[],
-        run: package::stage,
-    },
-    Stage {
-        name: "abi",
-        shows: "programs built against the last release fit the header of today",
-        needs: &[Tool::CCompiler, Tool::Abigail],
-        wants: &[],
-        leaves: &[],
-        run: abi::stage,
-    },
-    Stage {
-        name: "csharp",
-        shows: "the C# layer works under Mono and rejects libraries that do not fit",
-        needs: &[Tool::CCompiler, Tool::Mono],
-        wants: &[],
-        leaves: &[],
-        run: csharp::run,
-    },
-    Stage {
-        name: "python",
-        shows: "the Python package works as a wheel in an environment of its own, and makes examples for bare meshes",
-        needs: &[Tool::CCompiler, Tool::Python311],
-        wants: &[],
-        leaves: &[],
-        run: python::stage,
-    },
-    Stage {
-        name: "sanitizers",
-        shows: "the C and C++ tests pass under gcc's address and undefined behaviour sanitizers",
-        needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake],
-        wants: &[Tool::Ode, Tool::Bullet, Tool::Vulkan, Tool::VulkanHeaders, Tool::Png],
-        leaves: &["ctest/sanitizers"],
-        run: native::sanitizers,
-    },
-    Stage {
-        name: "valgrind-c",
-        shows: "valgrind finds no error and no leak in the C and C++ tests",
-        needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake, Tool::Valgrind],
-        wants: &[Tool::Ode, Tool::Bullet, Tool::Vulkan, Tool::VulkanHeaders, Tool::Png],
-        leaves: &[],
-        run: valgrind::c,
-    },
-    Stage {
-        name: "valgrind-rust",
-        shows: "valgrind finds no error and no leak in the Rust tests",
-        needs: &[Tool::Valgrind],
-        wants: &[],
-        leaves: &[],
-        run: valgrind::rust,
-    },
-    Stage {
-        name: "engines",
-        shows: "every truth's hits thrown in rapier, Bullet and Jolt leave what their blows leave",
-        needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake, Tool::Bullet],
-        wants: &[],
-        leaves: &["jolt", "throws"],
-        run: engines::stage,
-    },
-    Stage {
-        name: "demo",
-        shows: "`cargo xtask demo` crashes the car",
-        needs: &[],
-        wants: &[],
-        leaves: &[],
-        run: demo::check,
-    },
-    Stage {
-        name: "car",
-        shows: "the car's script makes a car: parts, sizes, closed inner solids, normals, symmetry, valid glTF",
-        needs: &[Tool::Python3],
-        wants: &[Tool::Npm],
-        leaves: &[],
-        run: car::stage,
-    },
-    Stage {
-        name: "blender",
-        shows: "Blender opens what the command exports",
-        needs: &[Tool::Python311, Tool::BlenderLibraries],
-        wants: &[],
-        leaves: &[],
-        run: peers::opens_exports,
-    },
-    Stage {
-        name: "extension",
-        shows: "the packed Blender extension works in two Blenders without a window and in one with a window",
-        needs: &[Tool::CCompiler, Tool::Python311, Tool::BlenderLibraries],
-        wants: &[Tool::Xvfb],
-        leaves: &["blender-bpy50", "blender-window"],
-        run: blender::stage,
-    },
-    Stage {
-        name: "gltf-validator",
-        shows: "the Khronos validator finds nothing wrong with what the command exports",
-        needs: &[Tool::Npm],
-        wants: &[],
-        leaves: &[],
-        run: peers::gltf_validator,
-    },
-    Stage {
-        name: "crate",
-        shows: "the crate builds from the files that crates.io gets",
-        needs: &[],
-        wants: &[],
-        leaves: &["crate"],
-        run: source::crates_io,
-    },
-    Stage {
-        name: "godot",
-        shows: "the extension dents meshes in Godot itself: its classes, both physics engines, the editor's import, a picture",
-        needs: &[Tool::CCompiler, Tool::Xvfb],
-        wants: &[],
-        leaves: &["godot"],
-        run: godot::run,
-    },
-    Stage {
-        name: "exporters",
-        shows: "what Blender, three.js, assimp, trimesh and Godot write is read, and everything that no dent reached is kept",
-        needs: &[Tool::Python311, Tool::BlenderLibraries, Tool::Npm, Tool::Assimp],
-        wants: &[],
-        leaves: &["blender-bpy42", "godot-engine"],
-        run: exporters::stage,
-    },
-    Stage {
-        name: "web",
-        shows: "the WebAssembly module gives the same bits under Node, and its page dents a hood in Chromium",
-        needs: &[Tool::WebRust, Tool::Llvm, Tool::Npm, Tool::Chromium],
-        wants: &[],
-        leaves: &[],
-        run: web::stage,
-    },
-    Stage {
-        name: "fuzz",
-        shows: "ten seconds of fuzzing find nothing at any door",
-        needs: &[Tool::CppCompiler],
-        wants: &[],
-        leaves: &["fuzz"],
-        run: fuzz::stage,
-    },
-    Stage {
-        name: "threads",
-        shows: "ThreadSanitizer finds no data race where threads share a context",
-        needs: &[Tool::CCompiler],
-        wants: &[],
-        leaves: &["sanitizers"],
-        run: nightly::threads,
-    },
-    Stage {
-        name: "windows",
-        shows: "the library, the command and the archive for Windows work under Wine, and write the same bytes as here",
-        needs: tools::WINDOWS_TOOLS,
-        wants: &[],
-        leaves: &["cross/x86_64-pc-windows-gnu", "wine"],
-        run: platforms::windows,
-    },
-    Stage {
-        name: "aarch64",
-        shows: "the library and the command for 64-bit ARM work under qemu, and write the same bytes as here",
-        needs: platforms::AARCH64_TOOLS,
-        wants: &[],
-        leaves: &["cross/aarch64-unknown-linux-gnu"],
-        run: platforms::aarch64,
-    },
-    Stage {
-        name: "i686",
-        shows: "the library and the command for 32-bit x86 work, and write the same bytes as here",
-        needs: platforms::I686_TOOLS,
-        wants: &[],
-        leaves: &["cross/i686-unknown-linux-gnu"],
-        run: platforms::i686,
-    },
-    Stage {
-        name: "vulkan",
-        shows: "the Vulkan tests pass on lavapipe under validation; with --all also on SwiftShader, and those of wgpu",
-        needs: &[Tool::Vulkan],
-        wants: &[],
-        leaves: &[],
-        run: vulkan::run,
-    },
-    Stage {
-        name: "rust",
-        shows: "the Rust tests and documentation examples pass; with --all also those of wgpu, the lab and xtask",
-        needs: &[],
-        wants: &[],
-        leaves: &[],
-        run: rust,
-    },
-    Stage {
-        name: "ctest",
-        shows: "the C and C++ tests pass with the installed library; with --all also Unity's renderer plugin",
-        needs: &[Tool::CCompiler, Tool::CppCompiler, Tool::CMake],
-        wants: &[Tool::Ode, Tool::Bullet, Tool::Vulkan, Tool::VulkanHeaders, Tool::Png],
-        leaves: &[],
-        run: native::ctest,
-    },
+    Stage::new("install", native::install_release)
+        .shows("the C library installs into target/prefix and exports what the header declares")
+        .needs(&[CC]),
+    Stage::new("cmake", source::cmake)
+        .shows("a CMake project that fetches the source builds it by Cargo, and installs what the installer does")
+        .needs(&[CC, CXX, CMAKE])
+        .leaves(&["cmake"])
+        .only(cfg!(not(windows)), "not tried on Windows"),
+    Stage::new("conan", source::conan)
+        .shows("Conan makes a package from the source, and a program finds it")
+        .needs(&[CC, CXX, CMAKE, PYTHON3])
+        .leaves(&["conan", "conan-venv"]),
+    Stage::new("package", package::stage)
+        .shows("the unpacked archive is as its manifest says; its examples run by CMake and pkg-config, both ways")
+        .needs(&[CC, CXX, CMAKE, PKG_CONFIG])
+        .wants(&[ODE, BULLET, VULKAN_HEADERS, PNG])
+        .only(cfg!(not(windows)), "not done on Windows, where pkg-config is rare"),
+    Stage::new("abi", abi::stage)
+        .shows("programs built against the last release fit the header of today")
+        .needs(&[CC, ABIGAIL]),
+    Stage::new("csharp", csharp::run)
+        .shows("the C# layer works under Mono and rejects libraries that do not fit")
+        .needs(&[CC, MONO])
+        .only(cfg!(target_os = "linux"), "done with Debian's Mono on Linux only"),
+    Stage::new("python", python::stage)
+        .shows("the Python package works as a wheel in an environment of its own, and makes examples for bare meshes")
+        .needs(&[CC, PYTHON311])
+        .only(cfg!(target_os = "linux"), "the wheel was built and tried on Linux only"),
+    Stage::new("sanitizers", native::sanitizers)
+        .shows("the C and C++ tests pass under gcc's address and undefined behaviour sanitizers")
+        .needs(&[CC, CXX, CMAKE])
+        .wants(&[ODE, BULLET, VULKAN, VULKAN_HEADERS, PNG])
+        .leaves(&["ctest/sanitizers"])
+        .only(cfg!(target_os = "linux"), "done with gcc on Linux only"),
+    Stage::new("valgrind-c", valgrind::c)
+        .shows("valgrind finds no error and no leak in the C and C++ tests")
+        .needs(&[CC, CXX, CMAKE, VALGRIND])
+        .wants(&[ODE, BULLET, VULKAN, VULKAN_HEADERS, PNG]),
+    Stage::new("valgrind-rust", valgrind::rust)
+        .shows("valgrind finds no error and no leak in the Rust tests")
+        .needs(&[VALGRIND]),
+    Stage::new("engines", engines::stage)
+        .shows("every truth's hits thrown in rapier, Bullet and Jolt leave what their blows leave")
+        .needs(&[CC, CXX, CMAKE, BULLET])
+        .leaves(&["jolt", "throws"]),
+    Stage::new("demo", demo::check).shows("`cargo xtask demo` crashes the car"),
+    Stage::new("car", car::stage)
+        .shows("the car's script makes a car: parts, sizes, closed inner solids, normals, symmetry, valid glTF")
+        .needs(&[PYTHON3])
+        .wants(&[NPM]),
+    Stage::new("blender", peers::opens_exports)
+        .shows("Blender opens what the command exports")
+        .needs(&[PYTHON311, BLENDER_LIBRARIES]),
+    Stage::new("extension", blender::stage)
+        .shows("the packed Blender extension works in two Blenders without a window and in one with a window")
+        .needs(&[CC, PYTHON311, BLENDER_LIBRARIES])
+        .wants(&[XVFB])
+        .leaves(&["blender-bpy50", "blender-window"])
+        .only(LINUX_X86_64, "Blender is fetched for Linux on x86-64 only"),
+    Stage::new("gltf-validator", peers::gltf_validator)
+        .shows("the Khronos validator finds nothing wrong with what the command exports")
+        .needs(&[NPM]),
+    Stage::new("crate", source::crates_io)
+        .shows("the crate builds from the files that crates.io gets")
+        .leaves(&["crate"]),
+    Stage::new("godot", godot::run)
+        .shows("the extension dents meshes in Godot: its classes, both physics engines, the editor's import, a picture")
+        .needs(&[CC, XVFB])
+        .leaves(&["godot"])
+        .only(LINUX_X86_64, "the engine is fetched for Linux on x86-64 only"),
+    Stage::new("exporters", exporters::stage)
+        .shows("what Blender, three.js, assimp, trimesh and Godot write is read, and what no dent reached is kept")
+        .needs(&[PYTHON311, BLENDER_LIBRARIES, NPM, ASSIMP])
+        .leaves(&["blender-bpy42", "godot-engine"])
+        .only(LINUX_X86_64, "Blender and Godot are fetched for Linux on x86-64 only"),
+    Stage::new("web", web::stage)
+        .shows("the WebAssembly module gives the same bits under Node, and its page dents a hood in Chromium")
+        .needs(&[WEB_RUST, LLVM, NPM, CHROMIUM]),
+    Stage::new("fuzz", fuzz::stage)
+        .shows("ten seconds of fuzzing find nothing at any door")
+        .needs(&[CXX])
+        .leaves(&["fuzz"]),
+    Stage::new("threads", nightly::threads)
+        .shows("ThreadSanitizer finds no data race where threads share a context")
+        .needs(&[CC])
+        .leaves(&["sanitizers"]),
+    Stage::new("windows", platforms::windows)
+        .shows("library, command and archive for Windows work under Wine, and write the same bytes as here")
+        .needs(FOR_WINDOWS)
+        .leaves(&["cross/x86_64-pc-windows-gnu", "wine"]),
+    Stage::new("aarch64", platforms::aarch64)
+        .shows("the library and the command for 64-bit ARM work under qemu, and write the same bytes as here")
+        .needs(&[CC, CMAKE, AARCH64_RUST, AARCH64_CC, QEMU])
+        .leaves(&["cross/aarch64-unknown-linux-gnu"]),
+    Stage::new("i686", platforms::i686)
+        .shows("the library and the command for 32-bit x86 work, and write the same bytes as here")
+        .needs(&[CC, CMAKE, I686_RUST, I686_CC])
+        .leaves(&["cross/i686-unknown-linux-gnu"]),
+    Stage::new("vulkan", vulkan::run)
+        .shows("the Vulkan tests pass on lavapipe under validation; with --all also on SwiftShader, and those of wgpu")
+        .needs(&[VULKAN]),
+    Stage::new("rust", rust)
+        .shows("the Rust tests and documentation examples pass; with --all also those of wgpu, the lab and xtask"),
+    Stage::new("ctest", native::ctest)
+        .shows("the C and C++ tests pass with the installed library; with --all also Unity's renderer plugin")
+        .needs(&[CC, CXX, CMAKE])
+        .wants(&[ODE, BULLET, VULKAN, VULKAN_HEADERS, PNG]),
 ];
 
 /// Runs the stages that `options` choose. A stage that is not everybody's always runs whole; those that are run whole with `--all`.
@@ -297,22 +186,17 @@ pub fn ci(workspace: &Workspace, fail_fast: bool) -> Result<()> {
 }
 
 /// Compiles what stages need in target folders of their own, in their order. A stage finds it ready, or waits for Cargo's lock.
-pub fn ahead(workspace: &Workspace) {
-    let builds: [fn(&Workspace) -> Result<()>; 6] = [
-        |workspace| source::crates_io(workspace).map(drop),
-        godot::build,
-        web::build,
-        fuzz::build_for_stage,
-        nightly::build,
-        platforms::build,
-    ];
+pub fn ahead(workspace: &Workspace) -> Result<()> {
+    let builds: [fn(&Workspace) -> Result<()>; 6] =
+        [source::crates_io, godot::build, web::build, fuzz::build_for_stage, nightly::build, platforms::build];
     for build in builds {
         // The stage says again what fails.
         let _ = build(workspace);
     }
+    Ok(())
 }
 
-fn rust(workspace: &Workspace) -> Result<Outcome> {
+fn rust(workspace: &Workspace) -> Result<()> {
     // Stage "vulkan" runs these tests with drivers.
     let library = workspace.tests(&[]).env("VK_DRIVER_FILES", workspace.path("no-driver")).run();
     let mut results = vec![("the library", library.map_err(Into::into))];
@@ -320,6 +204,5 @@ fn rust(workspace: &Workspace) -> Result<Outcome> {
         let helper = workspace.cargo(&["test", "--profile", "xtask", "--package", "xtask"]).run();
         results.push(("xtask", helper.map_err(Into::into)));
     }
-    stage::all_passed(results)?;
-    Ok(Outcome::Passed)
+    stage::all_passed(results)
 }

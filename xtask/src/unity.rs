@@ -1,11 +1,10 @@
 //! The `.meta` files of the Unity package: Unity tells assets apart by the guid in them, so each is written once and kept.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
-use std::path::Path;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Result, bail, ensure};
 
+use crate::files::{files, read, within, write};
 use crate::workspace::Workspace;
 
 const PACKAGE: &str = "bindings/unity";
@@ -17,7 +16,14 @@ const PLUGINS: &str = "Plugins/x86_64/";
 pub fn metas(workspace: &Workspace, fix: bool) -> Result<()> {
     let root = workspace.path(PACKAGE);
     let mut names = BTreeSet::new();
-    collect(&root, "", &mut names)?;
+    for file in files(&root)? {
+        let path = within(&root, &file)?;
+        // Unity does not look at names that end in ~ or begin with a dot.
+        if !path.split('/').any(|name| name.ends_with('~') || name.starts_with('.')) {
+            names.extend(path.match_indices('/').map(|(end, _)| path[..end].to_owned()));
+            names.insert(path);
+        }
+    }
     let (mut guids, mut missing) = (BTreeMap::new(), Vec::new());
     for asset in names.iter().filter(|name| !name.ends_with(".meta")) {
         let path = root.join(format!("{asset}.meta"));
@@ -28,10 +34,10 @@ pub fn metas(workspace: &Workspace, fix: bool) -> Result<()> {
         if !path.exists() {
             // Unity adds the importer's settings when it first sees the asset.
             let text = format!("fileFormatVersion: 2\nguid: {}\n", guid_of(asset));
-            fs::write(&path, text).with_context(|| format!("writing {}", path.display()))?;
+            write(&path, text)?;
             println!("wrote {}", path.display());
         }
-        let text = fs::read_to_string(&path).with_context(|| format!("reading {}", path.display()))?;
+        let text = read(&path)?;
         let guid = text.lines().find_map(|line| line.strip_prefix("guid: ")).unwrap_or_default().to_owned();
         let fits = guid.len() == 32 && guid.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'));
         ensure!(fits, "{} has no guid of 32 hexadecimal digits", path.display());
@@ -44,22 +50,6 @@ pub fn metas(workspace: &Workspace, fix: bool) -> Result<()> {
     let orphans: Vec<&str> = metas.filter(|asset| !names.contains(*asset) && !asset.starts_with(PLUGINS)).collect();
     ensure!(orphans.is_empty(), "{PACKAGE}: {} have .meta files and are not there", orphans.join(", "));
     println!("{PACKAGE}: {} assets with .meta files", guids.len());
-    Ok(())
-}
-
-/// Paths below the package, with slashes. Unity does not look at names that end in ~ or begin with a dot.
-fn collect(folder: &Path, below: &str, names: &mut BTreeSet<String>) -> Result<()> {
-    for entry in fs::read_dir(folder).with_context(|| format!("reading {}", folder.display()))? {
-        let entry = entry?;
-        let name = entry.file_name().to_string_lossy().into_owned();
-        if name.ends_with('~') || name.starts_with('.') {
-            continue;
-        }
-        if entry.file_type()?.is_dir() {
-            collect(&entry.path(), &format!("{below}{name}/"), names)?;
-        }
-        names.insert(format!("{below}{name}"));
-    }
     Ok(())
 }
 

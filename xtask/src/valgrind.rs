@@ -1,13 +1,12 @@
 //! Runs the tests under valgrind, which must find no error and no leak.
 
-use std::fs;
 use std::path::PathBuf;
 
-use anyhow::{Result, bail, ensure};
+use anyhow::{Result, ensure};
 
+use crate::files::{empty_directory, files, read};
 use crate::native::{self, Build};
-use crate::stage::Outcome;
-use crate::workspace::{Workspace, empty_directory, side_by_side};
+use crate::workspace::{Workspace, side_by_side};
 
 /// Rooms of src that have unsafe code, and use no driver. src/lib.rs denies it to the others.
 const UNSAFE: &[&str] = &["base::", "deform::", "capi::"];
@@ -19,22 +18,22 @@ const IN_PART: &[&str] = &["--test=contacts", "--test=oracle_rules", "--test=pap
 /// every call to it. Others build sets very often, or differ by how they are linked.
 const SLOW: &str = "^(vulkan_(faults|times)_|(refusals|allocator_static)$)";
 
-pub fn c(workspace: &Workspace) -> Result<Outcome> {
+pub fn c(workspace: &Workspace) -> Result<()> {
     let run = Run::new(workspace, "c", "definite,possible")?;
     let prefix = native::release_prefix(workspace)?;
     let build = Build {
         // Stage "sanitizers" checks the programs of users and plugins: their calls are among those of the tests.
         projects: native::TESTS,
         validation: false,
-        launcher: &run.command.join(";"),
-        drivers: &native::one_driver(workspace)?,
+        launcher: run.command.join(";"),
+        drivers: native::one_driver(workspace)?,
         left_out: SLOW,
         ..Build::new("release", &prefix)
     };
     run.judge(native::test_projects(workspace, &build))
 }
 
-pub fn rust(workspace: &Workspace) -> Result<Outcome> {
+pub fn rust(workspace: &Workspace) -> Result<()> {
     // Rust's own test runner keeps pointers into the middle of blocks, which valgrind calls "possibly lost".
     let run = Run::new(workspace, "rust", "definite")?;
     let runner = format!("CARGO_TARGET_{}_RUNNER", workspace.rustc("host")?.to_uppercase().replace('-', "_"));
@@ -67,11 +66,11 @@ impl Run {
     }
 
     /// Prints the logs with findings. Without any log the programs did not run under valgrind, which is an error.
-    fn judge(&self, tests: Result<()>) -> Result<Outcome> {
+    fn judge(&self, tests: Result<()>) -> Result<()> {
         let mut programs = 0;
         let mut with_findings = 0;
-        for entry in fs::read_dir(&self.logs)? {
-            let log = fs::read_to_string(entry?.path())?;
+        for log in files(&self.logs)? {
+            let log = read(&log)?;
             // The log of a child that became another program (Blender, node) has no summary.
             let Some(summary) = log.lines().find_map(|line| line.split("ERROR SUMMARY: ").nth(1)) else { continue };
             programs += 1;
@@ -80,12 +79,10 @@ impl Run {
                 println!("{log}");
             }
         }
-        if with_findings > 0 {
-            bail!("valgrind finds something in {with_findings} of {programs} programs");
-        }
+        ensure!(with_findings == 0, "valgrind finds something in {with_findings} of {programs} programs");
         tests?;
         ensure!(programs > 0, "no program ran under valgrind");
         println!("valgrind finds nothing in {programs} programs");
-        Ok(Outcome::Passed)
+        Ok(())
     }
 }

@@ -6,36 +6,24 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use xshell::cmd;
 
-use crate::stage::{Outcome, all_passed};
+use crate::files::{empty_directory, files_of, write};
+use crate::stage::all_passed;
 use crate::tools;
-use crate::workspace::{Workspace, empty_directory};
+use crate::workspace::Workspace;
 
 const MANIFESTS: &str = "/usr/share/vulkan/icd.d";
 /// Debian's package that holds SwiftShader.
 const PACKAGE: &str = "chromium-common";
 const PACKAGED: &str = "usr/lib/chromium/libvk_swiftshader.so";
 
-/// Manifests of the software drivers, and the reason if one is left out.
-pub struct Drivers {
-    pub manifests: Vec<PathBuf>,
-    pub left_out: Option<String>,
-}
-
-impl Drivers {
-    /// The outcome of a stage that passed on all of them.
-    pub fn passed(self) -> Outcome {
-        self.left_out.map_or(Outcome::Passed, Outcome::InPart)
-    }
-}
-
-pub fn run(workspace: &Workspace) -> Result<Outcome> {
+pub fn run(workspace: &Workspace) -> Result<()> {
     let drivers = drivers(workspace)?;
-    let manifests = std::env::join_paths(&drivers.manifests)?;
+    let manifests = std::env::join_paths(&drivers)?;
     // The tests fail if one of these drivers or the validation layer is missing.
-    let required = match (&drivers.left_out, workspace.all) {
-        (None, true) => "llvmpipe,SwiftShader",
-        (None, false) => "llvmpipe",
-        (Some(_), _) => "0",
+    let required = match (drivers.len(), workspace.all) {
+        (2, true) => "llvmpipe,SwiftShader",
+        (_, false) => "llvmpipe",
+        _ => "0",
     };
     // The library's tests, and the lab's workloads at their smallest.
     let tests = |programs: &[&str]| -> Result<()> {
@@ -45,26 +33,24 @@ pub fn run(workspace: &Workspace) -> Result<Outcome> {
         Ok(tests.env("CRUMPLE_REQUIRE_GPU", required).run()?)
     };
     if !workspace.all {
-        tests(&["--test", "vulkan"])?;
-        return Ok(drivers.passed());
+        return tests(&["--test", "vulkan"]);
     }
     all_passed(vec![
         ("the library", tests(&["--test", "vulkan", "--test", "wgpu"])),
         ("the lab", tests(&["--bin", "crumple-lab", "--", "gpu::"])),
-    ])?;
-    Ok(drivers.passed())
+    ])
 }
 
-/// Everybody's tests run on lavapipe alone: SwiftShader's package is large.
-pub fn drivers(workspace: &Workspace) -> Result<Drivers> {
-    let lavapipe = lavapipe()?;
-    if !workspace.all {
-        return Ok(Drivers { manifests: vec![lavapipe], left_out: None });
+/// Manifests of the software drivers. Everybody's tests run on lavapipe alone: SwiftShader's package is large.
+pub fn drivers(workspace: &Workspace) -> Result<Vec<PathBuf>> {
+    let mut drivers = vec![lavapipe()?];
+    if workspace.all {
+        match swiftshader(workspace) {
+            Ok(swiftshader) => drivers.push(swiftshader),
+            Err(error) => workspace.leave_out(format!("SwiftShader: {error:#}")),
+        }
     }
-    Ok(match swiftshader(workspace) {
-        Ok(swiftshader) => Drivers { manifests: vec![lavapipe, swiftshader], left_out: None },
-        Err(error) => Drivers { manifests: vec![lavapipe], left_out: Some(format!("SwiftShader: {error:#}")) },
-    })
+    Ok(drivers)
 }
 
 /// The manifest of Mesa's driver. Some releases put the processor into its name.
@@ -90,8 +76,7 @@ fn swiftshader(workspace: &Workspace) -> Result<PathBuf> {
         tools::refresh(workspace);
         download()?;
     }
-    let mut files = fs::read_dir(&directory)?.filter_map(|e| Some(e.ok()?.path()));
-    let package = files.find(|p| p.extension().is_some_and(|e| e == "deb")).context("no package was downloaded")?;
+    let package = files_of(&directory, &["deb"])?.pop().context("no package was downloaded")?;
     let unpacked = directory.join("package");
     cmd!(sh, "dpkg-deb -x {package} {unpacked}").run()?;
     let library = directory.join("libvk_swiftshader.so");
@@ -103,6 +88,6 @@ fn swiftshader(workspace: &Workspace) -> Result<PathBuf> {
         r#"{{"file_format_version": "1.0.0", "ICD": {{"library_path": "{}", "api_version": "1.1.0"}}}}"#,
         library.display()
     );
-    fs::write(&manifest, text).with_context(|| format!("writing {}", manifest.display()))?;
+    write(&manifest, text)?;
     Ok(manifest)
 }

@@ -1,20 +1,19 @@
 //! The npm package for browsers and Node: the library as WebAssembly, its interface in JavaScript, and a page that crashes a car.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use clap::Args;
 use xshell::cmd;
 
 use crate::command::Command;
 use crate::demo;
-use crate::install::{Profile, copy};
+use crate::files::{copy, copy_into, empty_directory, files};
+use crate::install::Profile;
 use crate::package::licenses;
-use crate::stage::Outcome;
 use crate::target::{self, Target};
-use crate::tools::{self, Tool};
-use crate::workspace::{Workspace, empty_directory, files};
+use crate::tools::{self, LLVM, NPM, WEB_RUST};
+use crate::workspace::Workspace;
 
 const PACKAGE: &str = "bindings/web";
 /// The parts of the package's folder that users get.
@@ -35,7 +34,6 @@ const DRAWN_WITH: &[&str] = &[
 ];
 /// The page's baked set.
 const SET: &str = "car.crumple";
-const BROWSER: &str = "chromium";
 
 #[derive(Args)]
 pub struct Options {
@@ -46,8 +44,7 @@ pub struct Options {
 
 /// `cargo xtask web`: the package in DIR/crumple, and the page around it.
 pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
-    let missing = tools::provide(workspace, &[Tool::WebRust, Tool::Llvm, Tool::Npm].into())?;
-    ensure!(missing.is_empty(), "{}", tools::advice(&missing));
+    tools::require(workspace, &[WEB_RUST, LLVM, NPM])?;
     let out = workspace.path(&options.out);
     lay_out(workspace, &node(workspace, &[THREE])?, &out)?;
     println!(
@@ -58,14 +55,8 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
 }
 
 /// The module gives the native library's bits under Node, and the page works in Chromium.
-pub fn stage(workspace: &Workspace) -> Result<Outcome> {
-    let modules = match node(workspace, &[THREE, DRIVER]) {
-        Ok(modules) => modules,
-        Err(error) => {
-            let line = format!("npm install {THREE} {DRIVER}");
-            return Ok(Outcome::LeftOut(format!("packages of the page cannot be had; to see why: {line} ({error})")));
-        }
-    };
+pub fn stage(workspace: &Workspace) -> Result<()> {
+    let modules = node(workspace, &[THREE, DRIVER])?;
     let folder = workspace.target.join("web/page");
     lay_out(workspace, &modules, &folder)?;
     let (sh, set) = (&workspace.shell, folder.join(SET));
@@ -76,8 +67,8 @@ pub fn stage(workspace: &Workspace) -> Result<Outcome> {
     cmd!(sh, "node {bits} {module} {set} {impacts} {dented}").run()?;
     let _there = sh.push_dir(modules.parent().context("the modules are in a folder")?);
     let picture = workspace.target.join("web/page.png");
-    cmd!(sh, "node {page} {folder} /usr/bin/{BROWSER} {picture}").run()?;
-    Ok(Outcome::Passed)
+    cmd!(sh, "node {page} {folder} /usr/bin/chromium {picture}").run()?;
+    Ok(())
 }
 
 /// The folder of Node's modules, with these packages.
@@ -99,22 +90,21 @@ fn lay_out(workspace: &Workspace, modules: &Path, out: &Path) -> Result<()> {
     empty_directory(out)?;
     let package = out.join("crumple");
     for file in INTERFACE {
-        copy(&workspace.path(PACKAGE).join(file), &package)?;
+        copy_into(&workspace.path(PACKAGE).join(file), &package)?;
     }
     for license in ["LICENSE-MIT", "LICENSE-APACHE"] {
-        copy(&workspace.path(license), &package)?;
+        copy_into(&workspace.path(license), &package)?;
     }
     build(workspace)?;
     let (web, manifest) = (Target::other(target::WEB), manifest(workspace));
     let module = web.directory(workspace, Profile::Release.directory()).join("crumple_web.wasm");
-    fs::copy(&module, package.join("crumple.wasm")).with_context(|| format!("copying {}", module.display()))?;
-    licenses::write(workspace, &licenses::linked_of(workspace, &manifest, &[web])?, &package.join(licenses::FILE))?;
+    copy(&module, &package.join("crumple.wasm"))?;
+    licenses::write_all(workspace, &licenses::linked_of(workspace, &manifest, &[web])?, &package)?;
     for file in files(&workspace.path(PACKAGE).join("demo"))? {
-        copy(&file, out)?;
+        copy_into(&file, out)?;
     }
     for file in DRAWN_WITH {
-        let to = out.join("three").join(file);
-        copy(&modules.join("three").join(file), to.parent().context("the file is in a folder")?)?;
+        copy(&modules.join("three").join(file), &out.join("three").join(file))?;
     }
     demo::lay_out_car(workspace, out, &[])
 }

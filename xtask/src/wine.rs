@@ -8,32 +8,30 @@ use std::process::{Child, Command, Stdio};
 use anyhow::{Context, Result};
 use xshell::{PushEnv, cmd};
 
+use crate::files::empty_directory;
 use crate::target::{Target, WINDOWS};
-use crate::workspace::{Workspace, empty_directory};
+use crate::workspace::Workspace;
 
 /// Where distributions put it. Debian has it outside of PATH.
-const PROGRAMS: &[&str] = &["/usr/lib/wine/wine64", "/usr/bin/wine64", "/usr/bin/wine"];
+pub const PROGRAMS: &[&str] = &["/usr/lib/wine/wine64", "/usr/bin/wine64", "/usr/bin/wine"];
 const SERVERS: &[&str] = &["/usr/lib/wine/wineserver64", "/usr/bin/wineserver64", "/usr/bin/wineserver"];
 /// What Wine lacks.
 const SUPPLIED: &str = "xtask/platforms/bcryptprimitives.c";
-
-pub fn program() -> Option<&'static str> {
-    PROGRAMS.iter().copied().find(|path| Path::new(path).exists())
-}
 
 pub struct Wine<'a> {
     pub program: &'static str,
     workspace: &'a Workspace,
     server: &'static str,
     supplied: PathBuf,
-    display: Child,
+    _display: Display,
     _environment: [PushEnv<'a>; 3],
 }
 
 impl<'a> Wine<'a> {
     pub fn start(workspace: &'a Workspace) -> Result<Self> {
-        let program = program().context("Wine is not installed")?;
-        let server = SERVERS.iter().copied().find(|path| Path::new(path).exists()).context("Wine has no wineserver")?;
+        let first = |paths: &[&'static str]| paths.iter().copied().find(|path| Path::new(path).exists());
+        let program = first(PROGRAMS).context("Wine is not installed")?;
+        let server = first(SERVERS).context("Wine has no wineserver")?;
         let (sh, folder) = (&workspace.shell, workspace.target.join("wine"));
         let supplied = folder.join("supplied");
         empty_directory(&folder)?;
@@ -42,13 +40,13 @@ impl<'a> Wine<'a> {
         let (gcc, source) = (Target::other(WINDOWS).gnu("gcc"), workspace.path(SUPPLIED));
         let library = supplied.join("bcryptprimitives.dll");
         cmd!(sh, "{gcc} -shared {source} -o {library} -ladvapi32").quiet().run()?;
-        let (display, number) = display()?;
+        let display = Display::start()?;
         let environment = [
             sh.push_env("WINEPREFIX", folder.join("prefix")),
             sh.push_env("WINEDEBUG", "-all"),
-            sh.push_env("DISPLAY", format!(":{number}")),
+            sh.push_env("DISPLAY", &display.name),
         ];
-        let wine = Self { program, workspace, server, supplied, display, _environment: environment };
+        let wine = Self { program, workspace, server, supplied, _display: display, _environment: environment };
         // Otherwise a test would start the server, which keeps the pipe of the test's output open after its end.
         cmd!(sh, "{server} --persistent").quiet().run()?;
         // Without the windows that offer to install Mono and Gecko.
@@ -68,17 +66,30 @@ impl Drop for Wine<'_> {
     fn drop(&mut self) {
         let server = self.server;
         let _ = cmd!(self.workspace.shell, "{server} --kill").quiet().ignore_stderr().run();
-        let _ = self.display.kill();
-        let _ = self.display.wait();
     }
 }
 
-/// Starts a display, and returns its number.
-pub fn display() -> Result<(Child, String)> {
-    let mut server = Command::new("Xvfb");
-    let server = server.args(["-displayfd", "1", "-nolisten", "tcp"]).stdin(Stdio::null()).stderr(Stdio::null());
-    let mut child = server.stdout(Stdio::piped()).spawn().context("starting Xvfb")?;
-    let mut number = String::new();
-    BufReader::new(child.stdout.take().context("Xvfb has an output")?).read_line(&mut number)?;
-    Ok((child, number.trim().to_owned()))
+/// A display without a screen. It ends when it is dropped.
+pub struct Display {
+    /// What `DISPLAY` says of it.
+    pub name: String,
+    server: Child,
+}
+
+impl Display {
+    pub fn start() -> Result<Self> {
+        let mut server = Command::new("Xvfb");
+        let server = server.args(["-displayfd", "1", "-nolisten", "tcp"]).stdin(Stdio::null()).stderr(Stdio::null());
+        let mut server = server.stdout(Stdio::piped()).spawn().context("starting Xvfb")?;
+        let mut number = String::new();
+        BufReader::new(server.stdout.take().context("Xvfb has an output")?).read_line(&mut number)?;
+        Ok(Self { name: format!(":{}", number.trim()), server })
+    }
+}
+
+impl Drop for Display {
+    fn drop(&mut self) {
+        let _ = self.server.kill();
+        let _ = self.server.wait();
+    }
 }

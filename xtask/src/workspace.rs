@@ -1,10 +1,12 @@
 //! The repository: its root, its target directory, a shell in its root, and the ways to call Cargo.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
+use serde_json::Value;
 use xshell::{Shell, cmd};
 
 /// The packages and features of every test build with `--all`. Cargo builds another library for each other choice.
@@ -31,6 +33,8 @@ pub struct Workspace {
     pub all: bool,
     /// Whether this run has installed the release library already.
     pub installed: Cell<bool>,
+    /// Why the stage that runs leaves out a part, once it has left one out.
+    pub left_out: RefCell<Option<String>>,
 }
 
 impl Workspace {
@@ -46,7 +50,7 @@ impl Workspace {
             None => root.join("target"),
         };
         let version = env!("CARGO_PKG_VERSION").to_owned();
-        Ok(Self { root, target, version, shell, all: true, installed: Cell::new(false) })
+        Ok(Self { root, target, version, shell, all: true, installed: Cell::new(false), left_out: RefCell::default() })
     }
 
     /// `cargo` of the toolchain that runs this program.
@@ -78,16 +82,28 @@ impl Workspace {
 
     /// The toolchain's directory.
     pub fn sysroot(&self) -> Result<PathBuf> {
-        let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+        let rustc = rustc();
         Ok(cmd!(self.shell, "{rustc} --print sysroot").quiet().read()?.into())
     }
 
     /// The value of `key` in the output of `rustc -vV`.
     pub fn rustc(&self, key: &str) -> Result<String> {
-        let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+        let rustc = rustc();
         let version = cmd!(self.shell, "{rustc} -vV").quiet().read()?;
         let line = version.lines().find_map(|line| line.strip_prefix(key)?.strip_prefix(": "));
         line.map(str::to_owned).with_context(|| format!("rustc -vV says no {key}"))
+    }
+
+    /// The packages in what `cargo metadata` says with these arguments.
+    pub fn packages(&self, arguments: &[&str]) -> Result<Vec<Value>> {
+        let told = self.cargo(&["metadata", "--format-version", "1"]).args(arguments).quiet().read()?;
+        let mut told: Value = serde_json::from_str(&told).context("reading what cargo metadata says")?;
+        Ok(serde_json::from_value(told["packages"].take())?)
+    }
+
+    /// The stage that runs passes in part.
+    pub fn leave_out(&self, why: String) {
+        self.left_out.replace(Some(why));
     }
 
     /// The packages and features of this run's test builds.
@@ -110,6 +126,11 @@ impl Workspace {
     pub fn path(&self, path: impl AsRef<Path>) -> PathBuf {
         self.root.join(path)
     }
+}
+
+/// The compiler that Cargo calls.
+pub fn rustc() -> OsString {
+    std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into())
 }
 
 /// The name that `cargo_anywhere` gives to the folder with the sources of dependencies.
@@ -145,28 +166,4 @@ pub fn side_by_side(jobs: usize, mut commands: Vec<(String, Command)>) -> Result
     }
     ensure!(failed.is_empty(), "{}", failed.join("; "));
     Ok(())
-}
-
-/// Removes `directory` if it exists and creates it empty.
-pub fn empty_directory(directory: &Path) -> Result<()> {
-    if directory.exists() {
-        std::fs::remove_dir_all(directory).with_context(|| format!("removing {}", directory.display()))?;
-    }
-    std::fs::create_dir_all(directory).with_context(|| format!("creating {}", directory.display()))
-}
-
-/// The files below a folder in order, without symbolic links.
-pub fn files(folder: &Path) -> Result<Vec<PathBuf>> {
-    let mut found = Vec::new();
-    for entry in std::fs::read_dir(folder).with_context(|| format!("reading {}", folder.display()))? {
-        let entry = entry?;
-        let kind = entry.file_type()?;
-        if kind.is_dir() {
-            found.extend(files(&entry.path())?);
-        } else if kind.is_file() {
-            found.push(entry.path());
-        }
-    }
-    found.sort();
-    Ok(found)
 }

@@ -4,14 +4,16 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
+use xshell::cmd;
 
 use super::licenses::{FILE as LICENSES, STANDARD_LIBRARY};
-use super::{Parts, files, git, markdown};
+use super::{Parts, git, markdown};
+use crate::abi;
 use crate::declarations::{HEADERS, INCLUDE};
-use crate::install;
+use crate::files::{copy, copy_into, files_of, read, write};
 use crate::native::{self, Build};
 use crate::reference;
-use crate::tools::Tool;
+use crate::tools::VULKAN_HEADERS;
 use crate::workspace::Workspace;
 
 /// Files and folders of the repository that archives hold under the same names.
@@ -56,57 +58,39 @@ const ENGINES: &[(&str, &str, &str, &str)] = &[
 ];
 
 /// Adds everything else to `folder`, which holds libraries, headers and licenses.
-pub fn copy(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
+pub fn copy_all(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
     // The installer puts licenses into share, for prefixes that many packages share.
     fs::remove_dir_all(folder.join("share")).context("the installer leaves licenses")?;
-    let listed = git(workspace, &[&["ls-files", "--"], COPIED].concat())?;
+    let listed = git(workspace, &[&["ls-files", "--error-unmatch", "--"], COPIED].concat())?;
     for name in listed.lines().filter(|name| !LEFT_OUT.iter().any(|out| name.starts_with(out))) {
-        put(&workspace.path(name), &folder.join(name))?;
+        copy(&workspace.path(name), &folder.join(name))?;
     }
-    put(&workspace.path(OVERVIEW.0), &folder.join(OVERVIEW.1))?;
+    copy(&workspace.path(OVERVIEW.0), &folder.join(OVERVIEW.1))?;
     readme(workspace, parts, folder)?;
     for header in HEADERS.iter().chain(&["crumple.hpp"]) {
-        put(&workspace.path(INCLUDE).join(header), &folder.join(UNREAL_HEADERS).join(header))?;
+        copy_into(&workspace.path(INCLUDE).join(header), &folder.join(UNREAL_HEADERS))?;
     }
-    fs::write(folder.join(reference::PAGE), reference::page(&workspace.path(INCLUDE))?)
-        .context("writing the reference page")?;
+    write(&folder.join(reference::PAGE), reference::page(&workspace.path(INCLUDE))?)?;
     unity_plugin(workspace, parts, folder)?;
     engines(workspace, parts, folder)?;
-    for page in files(folder)?.iter().filter(|path| path.extension().is_some_and(|extension| extension == "md")) {
-        let text = fs::read_to_string(page).with_context(|| format!("reading {}", page.display()))?;
+    for page in files_of(folder, &["md"])? {
         let directory = page.parent().context("pages lie somewhere")?;
-        fs::write(page, markdown::without_dead_links(&text, directory))?;
+        write(&page, markdown::without_dead_links(&read(&page)?, directory))?;
     }
     Ok(())
 }
 
-fn put(from: &Path, to: &Path) -> Result<()> {
-    fs::create_dir_all(to.parent().context("files lie somewhere")?)?;
-    fs::copy(from, to).with_context(|| format!("copying {}", from.display())).map(drop)
-}
-
 /// Writes the first page. A template line that begins with `slim|` or `full|` is for that flavour alone.
 fn readme(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
-    let template = fs::read_to_string(workspace.path(README)).with_context(|| format!("reading {README}"))?;
-    let own = format!("{}|", parts.flavour.name);
-    let mut text = String::new();
-    for line in template.lines() {
-        if let Some(line) = line.strip_prefix(&own) {
-            text += line;
-        } else if line.starts_with("slim|") || line.starts_with("full|") {
-            continue;
-        } else {
-            text += line;
-        }
-        text.push('\n');
-    }
-    let features = parts.flavour.library.join(", ");
-    for (key, value) in
-        [("@VERSION@", &workspace.version), ("@TARGET@", &parts.library.target.triple), ("@FEATURES@", &features)]
-    {
-        text = text.replace(key, value);
-    }
-    fs::write(folder.join("README.md"), text).context("writing the first page")
+    let (own, features) = (format!("{}|", parts.flavour.name), parts.flavour.library.join(", "));
+    let line = |line: &str| match line.strip_prefix(&own) {
+        Some(line) => line.to_owned() + "\n",
+        None if line.starts_with("slim|") || line.starts_with("full|") => String::new(),
+        None => line.to_owned() + "\n",
+    };
+    let text: String = read(&workspace.path(README))?.lines().map(line).collect();
+    let text = text.replace("@VERSION@", &workspace.version).replace("@FEATURES@", &features);
+    write(&folder.join("README.md"), text.replace("@TARGET@", &parts.library.target.triple))
 }
 
 /// Compiles Unity's renderer plugin against the packed library.
@@ -117,15 +101,15 @@ fn unity_plugin(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<(
     if !source.join("CMakeLists.txt").exists() || target.is_macos() {
         return Ok(());
     }
-    if !Tool::VulkanHeaders.here(workspace) && cfg!(target_os = "linux") {
+    if !VULKAN_HEADERS.here(workspace) && cfg!(target_os = "linux") {
         ensure!(!parts.handed_out, "Unity's plugin needs Vulkan's headers: on Debian, apt-get install libvulkan-dev");
         println!("Unity's plugin is left out");
         return Ok(());
     }
     let directory = workspace.target.join("package").join(&target.triple).join(format!("{}-unity", parts.flavour.name));
-    let cross = if target.cross { native::cross_options(workspace, target)? } else { Vec::new() };
-    let options: Vec<&str> = cross.iter().map(String::as_str).chain(["-DCRUMPLE_TESTS=OFF"]).collect();
-    let build = Build { options: &options, cross: target.cross, ..Build::new("package", folder) };
+    let mut options = native::cross_options(workspace, target)?;
+    options.push("-DCRUMPLE_TESTS=OFF".to_owned());
+    let build = Build { options, cross: target.cross, ..Build::new("package", folder) };
     native::compile(workspace, &build, &source, &directory)?;
     let built = match () {
         // Microsoft's builds have a folder for each configuration.
@@ -133,12 +117,11 @@ fn unity_plugin(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<(
         () if target.is_windows() => "crumple_unity.dll",
         () => "libcrumple_unity.so",
     };
-    let built = directory.join(built);
-    let to = folder.join(UNITY).join("Plugins/x86_64").join(built.file_name().context("plugins have names")?);
-    put(&built, &to)?;
+    let (built, plugins) = (directory.join(built), folder.join(UNITY).join("Plugins/x86_64"));
+    copy_into(&built, &plugins)?;
     if target.is_linux() || target.is_mingw() {
-        let strip = target.gnu("strip");
-        xshell::cmd!(workspace.shell, "{strip} --strip-unneeded {to}").quiet().run()?;
+        let (strip, plugin) = (target.gnu("strip"), plugins.join(crate::files::name(&built)?));
+        cmd!(workspace.shell, "{strip} --strip-unneeded {plugin}").quiet().run()?;
     }
     Ok(())
 }
@@ -146,8 +129,7 @@ fn unity_plugin(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<(
 /// Checks that the archive has the library files that Unreal's build rules name.
 fn unreal_has_what_it_links(plugin: &Path) -> Result<()> {
     let library = plugin.join("Source/ThirdParty/CrumpleLibrary");
-    let rules = library.join("CrumpleLibrary.Build.cs");
-    let rules = fs::read_to_string(&rules).with_context(|| format!("reading {}", rules.display()))?;
+    let rules = read(&library.join("CrumpleLibrary.Build.cs"))?;
     let named = rules.split('"').skip(1).step_by(2).filter(|name| name.starts_with("libcrumple.so"));
     for name in named {
         let file = library.join("Lib/Linux").join(name);
@@ -158,12 +140,12 @@ fn unreal_has_what_it_links(plugin: &Path) -> Result<()> {
 
 fn engines(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
     let target = &parts.library.target;
-    let soname = if target.is_linux() { install::soname(&parts.library.shared)? } else { String::new() };
+    let soname = abi::soname(&workspace.version);
     let fill = |path: &str| path.replace("@VERSION@", &workspace.version).replace("@SONAME@", &soname);
     for &(system, from, engine, to) in ENGINES {
         let engine = folder.join(engine);
         if engine.exists() && (system.is_empty() || target.triple.contains(system)) {
-            put(&folder.join(fill(from)), &engine.join(fill(to)))?;
+            copy(&folder.join(fill(from)), &engine.join(fill(to)))?;
         }
     }
     if target.is_linux() {
@@ -171,8 +153,8 @@ fn engines(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
     }
     // Unity warns about .meta files without a file: those of other systems' libraries.
     let plugins = folder.join(UNITY).join("Plugins");
-    for settings in if plugins.exists() { files(&plugins)? } else { Vec::new() } {
-        if settings.extension().is_some_and(|extension| extension == "meta") && !settings.with_extension("").exists() {
+    for settings in files_of(&plugins, &["meta"]).unwrap_or_default() {
+        if !settings.with_extension("").exists() {
             fs::remove_file(&settings).with_context(|| format!("removing {}", settings.display()))?;
         }
     }

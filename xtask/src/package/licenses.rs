@@ -6,10 +6,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
-use serde_json::Value;
 
 use super::{Flavour, Parts};
 use crate::command;
+use crate::files::{copy, name, read, write};
 use crate::target::Target;
 use crate::workspace::Workspace;
 
@@ -21,7 +21,6 @@ pub const STANDARD_LIBRARY: &str = "RUST-STANDARD-LIBRARY-LICENSES.html";
 const SUPPLIED: &str = "xtask/package/licenses";
 /// The names of files with license texts begin with these.
 const BEGINNINGS: &[&str] = &["license", "licence", "copying", "unlicense", "notice", "copyright"];
-const TREE: &[&str] = &["tree", "--edges", "normal,no-proc-macro", "--prefix", "none", "--format", "{p}"];
 const RULE: &str = "================================================================================";
 
 /// A package whose code is in the archive.
@@ -39,49 +38,53 @@ pub struct Linked {
 
 /// The packages that the flavour's library and command link. Procedural macros and build dependencies are not among them.
 pub fn linked(workspace: &Workspace, parts: &Parts) -> Result<Vec<Linked>> {
-    let flavour = parts.flavour;
-    let library = flavour.library.join(",");
-    let mut lines = tree(workspace, &parts.library.target.triple, &["--no-default-features", "--features", &library])?;
+    let (flavour, target) = (parts.flavour, &parts.library.target.triple);
+    let mut lines = library_tree(workspace, flavour, target)?;
     if flavour.command {
-        lines.extend(tree(workspace, &parts.library.target.triple, &["--features", command::FEATURES])?);
+        let command = ["--package", "crumple", "--target", target, "--features", command::FEATURES];
+        lines.extend(tree(workspace, &command)?);
     }
-    known(lines, workspace.cargo(&["metadata", "--format-version", "1", "--all-features"]))
+    known(workspace, lines, &["--all-features"])
 }
 
 /// The packages that the flavour's library links on any system.
 pub fn library(workspace: &Workspace, flavour: &Flavour) -> Result<Vec<Linked>> {
-    let features = flavour.library.join(",");
-    let lines = tree(workspace, "all", &["--no-default-features", "--features", &features])?;
-    known(lines, workspace.cargo(&["metadata", "--format-version", "1", "--all-features"]))
+    known(workspace, library_tree(workspace, flavour, "all")?, &["--all-features"])
 }
 
 /// The packages that a binding of its own workspace links, for any of the targets.
 pub fn linked_of(workspace: &Workspace, manifest: &Path, targets: &[Target]) -> Result<Vec<Linked>> {
-    let manifest = manifest.display().to_string();
-    let manifest = ["--manifest-path", &manifest];
+    let manifest = ["--manifest-path", &manifest.to_string_lossy()];
     let mut lines = Vec::new();
     for target in targets {
-        let printed = workspace.cargo(TREE).args(manifest).args(["--target", &target.triple]).quiet().read()?;
-        lines.extend(printed.lines().map(without_mark));
+        lines.extend(tree(workspace, &[&manifest[..], &["--target", &target.triple]].concat())?);
     }
-    known(lines, workspace.cargo(&["metadata", "--format-version", "1"]).args(manifest))
+    known(workspace, lines, &manifest)
+}
+
+fn library_tree(workspace: &Workspace, flavour: &Flavour, target: &str) -> Result<Vec<String>> {
+    let features = flavour.library.join(",");
+    tree(workspace, &["--package", "crumple", "--target", target, "--no-default-features", "--features", &features])
+}
+
+/// `NAME vVERSION` and a path for each package that `cargo tree` names.
+fn tree(workspace: &Workspace, arguments: &[&str]) -> Result<Vec<String>> {
+    let format = ["tree", "--edges", "normal,no-proc-macro", "--prefix", "none", "--format", "{p}"];
+    let printed = workspace.cargo(&format).args(arguments).quiet().read()?;
+    // Cargo marks packages that it has printed before.
+    Ok(printed.lines().map(|line| line.trim_end_matches(" (*)").to_owned()).collect())
 }
 
 /// The packages of lines of `cargo tree`, with what `cargo metadata` knows of them. Ours are left out.
-fn known(mut lines: Vec<String>, metadata: xshell::Cmd<'_>) -> Result<Vec<Linked>> {
+fn known(workspace: &Workspace, mut lines: Vec<String>, metadata: &[&str]) -> Result<Vec<Linked>> {
     lines.sort();
     lines.dedup();
-    let metadata = metadata.quiet().read()?;
-    let metadata: Value = serde_json::from_str(&metadata).context("reading what cargo metadata says")?;
-    let packages = metadata["packages"].as_array().context("cargo metadata lists packages")?;
+    let packages = workspace.packages(metadata)?;
     let mut linked = Vec::new();
-    for line in &lines {
+    for line in lines.iter().filter(|line| !line.starts_with("crumple")) {
         let mut words = line.split_whitespace();
         let (name, version) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
         let version = version.strip_prefix('v').with_context(|| format!("cargo tree says {line:?}"))?;
-        if name == "crumple" || name == "crumple-godot" {
-            continue;
-        }
         let package = packages.iter().find(|package| package["name"] == name && package["version"] == version);
         let package = package.with_context(|| format!("cargo metadata does not know {name} {version}"))?;
         let manifest = Path::new(package["manifest_path"].as_str().context("packages have manifests")?);
@@ -98,19 +101,8 @@ fn known(mut lines: Vec<String>, metadata: xshell::Cmd<'_>) -> Result<Vec<Linked
     Ok(linked)
 }
 
-fn tree(workspace: &Workspace, target: &str, features: &[&str]) -> Result<Vec<String>> {
-    let printed =
-        workspace.cargo(TREE).args(["--package", "crumple", "--target", target]).args(features).quiet().read()?;
-    Ok(printed.lines().map(without_mark).collect())
-}
-
-/// Cargo marks packages that it has printed before.
-fn without_mark(line: &str) -> String {
-    line.trim_end_matches(" (*)").to_owned()
-}
-
-/// Writes the file, and the licenses of Rust's standard library beside it.
-pub fn write(workspace: &Workspace, linked: &[Linked], to: &Path) -> Result<()> {
+/// Writes the file into a folder, and the licenses of Rust's standard library beside it.
+pub fn write_all(workspace: &Workspace, linked: &[Linked], folder: &Path) -> Result<()> {
     let apache = read(&workspace.path("LICENSE-APACHE"))?;
     let mut texts: Vec<(String, Vec<String>)> = Vec::new();
     let mut by_words: BTreeMap<Vec<String>, usize> = BTreeMap::new();
@@ -138,37 +130,31 @@ pub fn write(workspace: &Workspace, linked: &[Linked], to: &Path) -> Result<()> 
     for (number, (text, of)) in texts.iter().enumerate() {
         whole += &format!("\n{RULE}\n{}: {}\n{RULE}\n\n{}\n", number + 1, of.join(", "), text.trim_end());
     }
-    fs::write(to, whole).with_context(|| format!("writing {}", to.display()))?;
-
-    let said = workspace.sysroot()?.join("share/doc/rust/COPYRIGHT-library.html");
-    let standard = to.with_file_name(STANDARD_LIBRARY);
-    fs::copy(&said, standard).with_context(|| {
-        format!(
-            "{}, the licenses of Rust's standard library, is missing: a toolchain of rustup's has it",
-            said.display()
-        )
-    })?;
-    Ok(())
+    write(&folder.join(FILE), whole)?;
+    let standard = workspace.sysroot()?.join("share/doc/rust/COPYRIGHT-library.html");
+    copy(&standard, &folder.join(STANDARD_LIBRARY))
+        .context("the licenses of Rust's standard library are missing: a toolchain of rustup's has them")
 }
 
 /// The license texts of a package: its own files, or the supplied text, or Apache's text if the package offers that license.
 fn texts_of(package: &Linked, supplied: &Path, apache: &str) -> Result<Vec<String>> {
-    let Linked { name, version, license, directory, .. } = package;
-    let mut found = Vec::new();
-    for entry in fs::read_dir(directory).with_context(|| format!("reading {}", directory.display()))? {
-        let entry = entry?;
-        let file = entry.file_name().to_string_lossy().to_lowercase();
-        if entry.path().is_file() && BEGINNINGS.iter().any(|beginning| file.starts_with(beginning)) {
-            found.push(entry.path());
+    let Linked { version, license, directory, .. } = package;
+    let mut texts = Vec::new();
+    let entries = fs::read_dir(directory).with_context(|| format!("reading {}", directory.display()))?;
+    let mut files: Vec<PathBuf> = entries.map(|entry| Ok(entry?.path())).collect::<Result<_>>()?;
+    files.sort();
+    for file in files.iter().filter(|file| file.is_file()) {
+        let name = name(file)?.to_lowercase();
+        if BEGINNINGS.iter().any(|beginning| name.starts_with(beginning)) {
+            texts.push(read(file)?);
         }
     }
-    found.sort();
-    let mut texts = found.iter().map(|path| read(path)).collect::<Result<Vec<_>>>()?;
     texts.retain(|text| !text.trim().is_empty());
     if !texts.is_empty() {
         return Ok(texts);
     }
-    for supplied in [format!("{name}.txt"), format!("{license}.txt")].map(|file| supplied.join(file)) {
+    let own = &package.name;
+    for supplied in [format!("{own}.txt"), format!("{license}.txt")].map(|file| supplied.join(file)) {
         if supplied.exists() {
             return Ok(vec![read(&supplied)?]);
         }
@@ -178,14 +164,9 @@ fn texts_of(package: &Linked, supplied: &Path, apache: &str) -> Result<Vec<Strin
         return Ok(vec![apache.to_owned()]);
     }
     bail!(
-        "{name} {version} ({license}) is linked and was published without the text of its license; \
-         put what its authors' repository has into {SUPPLIED}/{name}.txt"
+        "{own} {version} ({license}) is linked and was published without the text of its license; \
+         put what its authors' repository has into {SUPPLIED}/{own}.txt"
     )
-}
-
-fn read(path: &Path) -> Result<String> {
-    let bytes = fs::read(path).with_context(|| format!("reading {}", path.display()))?;
-    Ok(String::from_utf8_lossy(&bytes).replace("\r\n", "\n"))
 }
 
 #[cfg(test)]

@@ -1,6 +1,5 @@
 //! `manifest.json`: the version, target, features and files of an archive, for programs.
 
-use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result};
@@ -8,20 +7,16 @@ use memchr::memmem;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
-use super::{Parts, files, git, within};
-use crate::install;
+use super::{Parts, git};
+use crate::abi;
+use crate::files::{bytes, files, within, write};
 use crate::workspace::Workspace;
 
 pub const FILE: &str = "manifest.json";
 
-/// Called last: the manifest lists every file but itself. Symbolic links are not listed.
-pub fn write(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
+/// Called last: the manifest lists every file but itself.
+pub fn write_of(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
     let (flavour, linux) = (parts.flavour, parts.library.target.is_linux());
-    let mut entries = Vec::new();
-    for path in files(folder)? {
-        let bytes = fs::read(&path).with_context(|| format!("reading {}", path.display()))?;
-        entries.push(json!({"path": within(folder, &path)?, "size": bytes.len(), "sha256": sha256(&bytes)}));
-    }
     let manifest = json!({
         "name": "crumple",
         "version": workspace.version,
@@ -29,19 +24,28 @@ pub fn write(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> 
         "flavour": flavour.name,
         "features": flavour.library,
         "command": flavour.command,
-        "soname": if linux { Value::from(install::soname(&parts.library.shared)?) } else { Value::Null },
+        "soname": linux.then(|| abi::soname(&workspace.version)),
         "glibc": if linux { glibc(folder)? } else { None },
         "rustc": workspace.rustc("release")?,
         "commit": git(workspace, &["rev-parse", "HEAD"])?.trim(),
-        "files": entries,
+        "files": entries(folder)?,
     });
-    let text = serde_json::to_string_pretty(&manifest)? + "\n";
-    fs::write(folder.join(FILE), text).context("writing the manifest")
+    write(&folder.join(FILE), serde_json::to_string_pretty(&manifest)? + "\n").context("writing the manifest")
+}
+
+/// What the manifest says of each file but itself. Symbolic links are not listed.
+pub fn entries(folder: &Path) -> Result<Vec<Value>> {
+    let mut entries = Vec::new();
+    for path in files(folder)?.iter().filter(|path| **path != folder.join(FILE)) {
+        let bytes = bytes(path)?;
+        entries.push(json!({"path": within(folder, path)?, "size": bytes.len(), "sha256": sha256(&bytes)}));
+    }
+    Ok(entries)
 }
 
 /// The oldest glibc that the shared library runs with: the newest version among its symbol versions.
 fn glibc(folder: &Path) -> Result<Option<String>> {
-    Ok(newest(&fs::read(folder.join("lib/libcrumple.so"))?).map(|minor| format!("2.{minor}")))
+    Ok(newest(&bytes(&folder.join("lib/libcrumple.so"))?).map(|minor| format!("2.{minor}")))
 }
 
 fn newest(library: &[u8]) -> Option<u32> {

@@ -1,27 +1,24 @@
 //! Checks that an archive contains no path of this machine and no code without its license.
 
 use std::collections::BTreeSet;
-use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Result, bail, ensure};
 use memchr::memmem;
 
+use super::Parts;
 use super::licenses::Linked;
-use super::{Parts, files, within};
+use crate::files::{bytes, files, name};
 use crate::workspace::{self, Workspace};
 
 /// Fails if a file contains the path of a folder of this machine.
-pub fn nothing_of_this_machine(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
-    let mut known: Vec<PathBuf> = vec![workspace.root.clone(), workspace.target.clone(), workspace::cargo_home()?];
-    known.push(workspace.sysroot()?);
-    for file in files(folder)? {
-        let bytes = fs::read(&file).with_context(|| format!("reading {}", file.display()))?;
-        let stand_in = !parts.handed_out && file.parent() == Some(&*folder.join("bin"));
-        for path in known.iter().filter(|_| !stand_in) {
-            let path = path.to_string_lossy();
+pub fn nothing_of_this_machine(workspace: &Workspace, files: &[PathBuf]) -> Result<()> {
+    let known = [workspace.root.clone(), workspace.target.clone(), workspace::cargo_home()?, workspace.sysroot()?];
+    for file in files {
+        let bytes = bytes(file)?;
+        for path in known.iter().map(|path| path.to_string_lossy()) {
             let found = memmem::find(&bytes, path.as_bytes());
-            ensure!(found.is_none(), "{} names {path}, a folder of this machine", within(folder, &file)?);
+            ensure!(found.is_none(), "{} names {path}, a folder of this machine", file.display());
         }
     }
     Ok(())
@@ -37,11 +34,12 @@ pub fn nothing_unlicensed(parts: &Parts, folder: &Path, linked: &[Linked], stand
     let linked = linked.iter().map(|package| format!("{}-{}", package.name, package.version));
     let known: BTreeSet<String> = linked.chain(standard.iter().cloned()).collect();
     let mut libraries = 0;
-    let name = |path: &Path| path.file_name().map(ToOwned::to_owned);
-    let stand_in = parts.command.as_deref().filter(|_| !parts.handed_out).and_then(name);
     let all = files(&folder.join("lib"))?.into_iter().chain(files(&folder.join("bin")).unwrap_or_default());
-    for file in all.filter(|file| stand_in.is_none() || name(file) != stand_in) {
-        let bytes = fs::read(&file).with_context(|| format!("reading {}", file.display()))?;
+    for file in all {
+        if !parts.handed_out && name(&file)? == parts.library.target.program("crumple") {
+            continue;
+        }
+        let bytes = bytes(&file)?;
         let mut named = 0;
         for at in memmem::find_iter(&bytes, workspace::SOURCES) {
             let Some((first, rest)) = bytes[at + workspace::SOURCES.len()..].split_first() else { continue };

@@ -6,7 +6,8 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use xshell::cmd;
 
-use super::{Parts, files};
+use super::Parts;
+use crate::files::{copy_into, files, name, write};
 use crate::workspace::Workspace;
 
 const README: &str = "\
@@ -19,15 +20,15 @@ pub fn separate(workspace: &Workspace, parts: &Parts, folder: &Path, debug: &Pat
     let (sh, target) = (&workspace.shell, &parts.library.target);
     let (strip, objcopy) = (target.gnu("strip"), target.gnu("objcopy"));
     fs::create_dir_all(debug).with_context(|| format!("creating {}", debug.display()))?;
-    fs::write(debug.join("README.txt"), README)?;
+    write(&debug.join("README.txt"), README)?;
     for file in files(folder)? {
-        let name = file.file_name().context("files have names")?.to_string_lossy().into_owned();
+        let name = name(&file)?;
         let program = file.parent().is_some_and(|parent| parent.ends_with("bin"));
         if target.is_windows() && !target.is_mingw() {
             // The compiler puts symbols into a file beside the library or program.
             let built = parts.library.shared.with_file_name(&name).with_extension("pdb");
             if program && built.exists() {
-                fs::copy(&built, debug.join(built.file_name().context("files have names")?))?;
+                copy_into(&built, debug)?;
             }
         } else if name.ends_with(".a") && !name.ends_with(".dll.a") {
             // A static library keeps its symbols and loses its line tables, which are ten times the rest.

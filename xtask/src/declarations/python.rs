@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use anyhow::{Context, Result, bail};
 
-use crate::declarations::{Form, Item, Type, Variable, Variant};
+use super::{Form, Item, Type, Variable, Variant, prefix};
 
 const HEAD: &str = "\
 # Generated from the headers in include by `cargo xtask header`; do not edit it. They document what is declared here.
@@ -57,15 +57,7 @@ pub fn module(items: &[Item]) -> Result<String> {
 
 /// An enum without the words that all its names begin with.
 fn enumeration(text: &mut String, item: &Item, variants: &[Variant]) -> Result<()> {
-    let mut own = String::new();
-    for letter in item.name.chars() {
-        if letter.is_ascii_uppercase() && !own.is_empty() {
-            own.push('_');
-        }
-        own.push(letter.to_ascii_uppercase());
-    }
-    own.push('_');
-    let prefix = if variants.iter().all(|one| one.name.starts_with(&own)) { &own } else { "CRUMPLE_" };
+    let prefix = prefix(&item.name, variants);
     writeln!(text, "\n\nclass {}(IntEnum):", item.name)?;
     writeln!(text, "    \"\"\"{}\"\"\"\n", item.docs.join("\n    "))?;
     for Variant { name, value } in variants {

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use anyhow::{Context, Result, bail};
 
-use crate::declarations::{Form, Item, Type, Variable, Variant};
+use super::{Form, Item, Type, Variable, prefix};
 
 const HEAD: &str = "\
 // Generated from the headers in include by `cargo xtask header`; do not edit it. They document what is declared here. C# lays out
@@ -27,6 +27,10 @@ namespace Crumple.Native
         // The file name without the prefix and suffix that systems add.
         public const string Library = \"crumple\";
 ";
+/// The headers that C# has. The others are for hosts with a graphics device or an allocator of their own.
+pub const HEADERS: &[&str] =
+    &["crumple.h", "crumple_build.h", "crumple_import.h", "crumple_parts.h", "crumple_contacts.h", "crumple_view.h"];
+
 const KEYWORDS: &[&str] = &["base", "event", "fixed", "in", "lock", "object", "out", "params", "ref", "string"];
 /// Columns of a line.
 const WIDTH: usize = 126;
@@ -53,19 +57,6 @@ fn camel(name: &str) -> String {
     let first = letters.next().map(|letter| letter.to_ascii_lowercase());
     let name: String = first.into_iter().chain(letters).collect();
     if KEYWORDS.contains(&name.as_str()) { format!("@{name}") } else { name }
-}
-
-/// What all enumerators of a type begin with: its own name where they do, as those of results do not.
-fn prefix(name: &str, variants: &[Variant]) -> String {
-    let mut own = String::new();
-    for letter in name.chars() {
-        if letter.is_ascii_uppercase() && !own.is_empty() {
-            own.push('_');
-        }
-        own.push(letter.to_ascii_uppercase());
-    }
-    own.push('_');
-    if variants.iter().all(|variant| variant.name.starts_with(&own)) { own } else { "CRUMPLE_".to_owned() }
 }
 
 struct Writer<'a> {

@@ -1,0 +1,83 @@
+//! What many stages do with files and folders. Errors name the path.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
+
+/// Removes `directory` if it exists and creates it empty.
+pub fn empty_directory(directory: &Path) -> Result<()> {
+    if directory.exists() {
+        fs::remove_dir_all(directory).with_context(|| format!("removing {}", directory.display()))?;
+    }
+    fs::create_dir_all(directory).with_context(|| format!("creating {}", directory.display()))
+}
+
+/// The files below a folder in order, without symbolic links.
+pub fn files(folder: &Path) -> Result<Vec<PathBuf>> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).with_context(|| format!("reading {}", folder.display()))? {
+        let entry = entry?;
+        let kind = entry.file_type()?;
+        if kind.is_dir() {
+            found.extend(files(&entry.path())?);
+        } else if kind.is_file() {
+            found.push(entry.path());
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+/// Those of them whose names end with one of these extensions.
+pub fn files_of(folder: &Path, extensions: &[&str]) -> Result<Vec<PathBuf>> {
+    let mut found = files(folder)?;
+    found.retain(|file| file.extension().is_some_and(|own| extensions.iter().any(|extension| own == *extension)));
+    Ok(found)
+}
+
+/// A path relative to a folder, with slashes on every system.
+pub fn within(folder: &Path, path: &Path) -> Result<String> {
+    let inner =
+        path.strip_prefix(folder).with_context(|| format!("{} is not in {}", path.display(), folder.display()))?;
+    let parts: Vec<_> = inner.iter().map(|part| part.to_string_lossy()).collect();
+    ensure!(!parts.is_empty(), "{} is the folder itself", path.display());
+    Ok(parts.join("/"))
+}
+
+/// The bytes of a file.
+pub fn bytes(path: &Path) -> Result<Vec<u8>> {
+    fs::read(path).with_context(|| format!("reading {}", path.display()))
+}
+
+/// The text of a file, with one kind of line ends.
+pub fn read(path: &Path) -> Result<String> {
+    Ok(String::from_utf8_lossy(&bytes(path)?).replace("\r\n", "\n"))
+}
+
+pub fn write(path: &Path, contents: impl AsRef<[u8]>) -> Result<()> {
+    fs::write(path, contents).with_context(|| format!("writing {}", path.display()))
+}
+
+/// The last part of a path.
+pub fn name(path: &Path) -> Result<String> {
+    let name = path.file_name().with_context(|| format!("{} has no file name", path.display()))?;
+    Ok(name.to_string_lossy().into_owned())
+}
+
+/// Copies a file, and makes the folder for it.
+pub fn copy(from: &Path, to: &Path) -> Result<()> {
+    let folder = to.parent().context("files lie in folders")?;
+    fs::create_dir_all(folder).with_context(|| format!("creating {}", folder.display()))?;
+    // A running program keeps the old file: overwriting it would change the program's memory.
+    if to.exists() {
+        fs::remove_file(to).with_context(|| format!("replacing {}", to.display()))?;
+    }
+    fs::copy(from, to).with_context(|| format!("copying {} to {}", from.display(), to.display()))?;
+    Ok(())
+}
+
+/// Copies a file into a folder.
+pub fn copy_into(file: &Path, folder: &Path) -> Result<()> {
+    copy(file, &folder.join(name(file)?))
+}
