@@ -1,15 +1,17 @@
 //! Coverage-guided fuzzing on the stable toolchain. Code generation flags switch on the compiler's coverage pass.
 
+use std::collections::{BTreeMap, HashMap};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
 use clap::Args;
-use xshell::{Cmd, cmd};
+use xshell::cmd;
 
+use crate::files::{copy_into, empty_directory, files, read};
+use crate::vulkan;
 use crate::workspace::{Workspace, jobs, side_by_side};
-use crate::{corpus, coverage, vulkan};
 
 /// Instruments the code for libFuzzer's coverage.
 const COVERAGE: &[&str] = &[
@@ -23,8 +25,11 @@ const COVERAGE: &[&str] = &[
 
 /// What CI gives to each target, s.
 const STAGE_SECONDS: u32 = 10;
+/// Bytes and files of fuzz/corpus for each target. Every clone carries them.
+const KEPT_BYTES: u64 = 30_000;
+const KEPT_FILES: u32 = 64;
 
-#[derive(Args)]
+#[derive(Args, Default)]
 pub struct Options {
     /// Fuzz only this target; may be given several times [default: every file of fuzz/src/bin]
     #[arg(long, value_name = "NAME")]
@@ -62,69 +67,148 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
     }
     let home = home(workspace, options.address);
     let programs = build(workspace, &home, options)?;
-    let corpus = options.corpus.clone().unwrap_or_else(|| workspace.target.join("fuzz/corpus"));
+    let corpora = options.corpus.clone().unwrap_or_else(|| workspace.target.join("fuzz/corpus"));
     let chosen = targets.iter().filter(|name| options.target.is_empty() || options.target.contains(name));
+    let mut chosen = chosen.map(|name| {
+        let (program, corpus, kept) =
+            (programs.join(name), corpora.join(name), workspace.path("fuzz/corpus").join(name));
+        Target { workspace, name, program, corpus, kept }
+    });
     if options.coverage {
-        let pairs: Vec<_> = chosen.map(|name| (programs.join(name), corpus.join(name))).collect();
-        return coverage::run(workspace, &pairs);
+        return coverage(chosen);
     }
-    let kept = workspace.path("fuzz/corpus");
     if options.keep {
-        return chosen
-            .into_iter()
-            .try_for_each(|name| corpus::keep(workspace, &programs.join(name), &corpus.join(name), &kept.join(name)));
+        return chosen.try_for_each(|target| target.keep());
     }
-    let fuzzer = |name: &String| -> Result<(String, Command)> {
-        let (corpus, found, kept) = (corpus.join(name), home.join("found").join(name), kept.join(name));
-        for folder in [&corpus, &found] {
-            fs::create_dir_all(folder).with_context(|| format!("making {}", folder.display()))?;
-        }
-        let fuzzer = fuzzer(workspace, options, &programs.join(name), [&corpus, &kept, &found])?;
-        Ok((format!("{name} (what broke it lies in {})", found.display()), fuzzer.into()))
-    };
-    side_by_side(options.jobs, chosen.map(fuzzer).collect::<Result<_>>()?)
+    let fuzzers = chosen.map(|target| target.fuzzer(options, &home.join("found").join(target.name)));
+    side_by_side(options.jobs, fuzzers.collect::<Result<_>>()?)
 }
 
-/// The call of a target. It adds to `corpus`, reads what is in `kept` too, and leaves what breaks it in `found`.
-fn fuzzer<'a>(
+/// A program that is fuzzed.
+struct Target<'a> {
     workspace: &'a Workspace,
-    options: &Options,
-    program: &Path,
-    [corpus, kept, found]: [&Path; 3],
-) -> Result<Cmd<'a>> {
-    let (seconds, seed) = (options.seconds.to_string(), options.seed.to_string());
-    // The first folder receives new inputs; the others are only read.
-    let folders = [corpus].into_iter().chain(Some(kept).filter(|kept| kept.exists()));
-    let artifacts = format!("-artifact_prefix={}/", found.display());
-    let limits = ["-timeout=30", "-rss_limit_mb=2048", "-malloc_limit_mb=1024", "-max_len=65536"];
-    let mut fuzz = cmd!(
-        workspace.shell,
-        "{program} {folders...} {artifacts} {limits...} -max_total_time={seconds} -seed={seed} -print_final_stats=1"
-    )
-    .env("CRUMPLE_SEEDS", corpus);
-    let name = program.file_name().context("programs have names")?;
-    let dictionary = workspace.path("fuzz/dictionaries").join(name);
-    if dictionary.exists() {
-        fuzz = fuzz.arg(format!("-dict={}", dictionary.display()));
+    name: &'a str,
+    program: PathBuf,
+    /// The folder of the inputs that it found interesting.
+    corpus: PathBuf,
+    /// The folder of those in the repository.
+    kept: PathBuf,
+}
+
+impl Target<'_> {
+    /// Its call. It adds to the corpus, reads what is kept too, and leaves what breaks it in `found`.
+    fn fuzzer(&self, options: &Options, found: &Path) -> Result<(String, Command)> {
+        let Self { workspace, name, program, corpus, kept } = self;
+        for folder in [corpus, found] {
+            fs::create_dir_all(folder).with_context(|| format!("making {}", folder.display()))?;
+        }
+        let (seconds, seed) = (options.seconds.to_string(), options.seed.to_string());
+        // The first folder receives new inputs; the others are only read.
+        let folders = [corpus].into_iter().chain(Some(kept).filter(|kept| kept.exists()));
+        let artifacts = format!("-artifact_prefix={}/", found.display());
+        let limits = ["-timeout=30", "-rss_limit_mb=2048", "-malloc_limit_mb=1024", "-max_len=65536"];
+        let mut fuzz = cmd!(
+            workspace.shell,
+            "{program} {folders...} {artifacts} {limits...} -max_total_time={seconds} -seed={seed} -print_final_stats=1"
+        )
+        .env("CRUMPLE_SEEDS", corpus);
+        let dictionary = workspace.path("fuzz/dictionaries").join(name);
+        if dictionary.exists() {
+            fuzz = fuzz.arg(format!("-dict={}", dictionary.display()));
+        }
+        if *name == "device" {
+            // Both software drivers, if they are there. Mesa's device selection layer prints errors without a display.
+            fuzz = fuzz.env("NODEVICE_SELECT", "1");
+            if let Ok(drivers) = vulkan::drivers(workspace) {
+                fuzz = fuzz.env("VK_DRIVER_FILES", std::env::join_paths(drivers)?);
+            }
+        }
+        Ok((format!("{name} (what broke it lies in {})", found.display()), fuzz.into()))
     }
-    if name == "device" {
-        // Both software drivers, if they are there. Mesa's device selection layer prints errors without a display.
-        fuzz = fuzz.env("NODEVICE_SELECT", "1");
-        if let Ok(drivers) = vulkan::drivers(workspace) {
-            fuzz = fuzz.env("VK_DRIVER_FILES", std::env::join_paths(drivers)?);
+
+    /// Replaces what is kept by those inputs of the corpus that reach most new code for their size.
+    fn keep(&self) -> Result<()> {
+        let Self { workspace, program, corpus, kept, .. } = self;
+        let (merged, control) = (corpus.with_extension("merged"), corpus.with_extension("control"));
+        empty_directory(&merged)?;
+        let _ = fs::remove_file(&control);
+        cmd!(workspace.shell, "{program} -merge=1 -merge_control_file={control} {merged} {corpus}").quiet().run()?;
+        let text = read(&control).context("libFuzzer's control file")?;
+        let sized = |(file, edges)| Ok((fs::metadata(file)?.len().max(1), edges, file));
+        let mut best: Vec<(u64, u64, &str)> = new_code(&text).into_iter().map(sized).collect::<Result<_>>()?;
+        best.sort_by_key(|(size, edges, file)| (std::cmp::Reverse(edges * KEPT_BYTES / size), *file));
+        empty_directory(kept)?;
+        let (mut total, mut files) = (0, 0);
+        for (size, _, file) in best {
+            if total + size <= KEPT_BYTES && files < KEPT_FILES {
+                (total, files) = (total + size, files + 1);
+                copy_into(Path::new(file), kept)?;
+            }
+        }
+        println!("{} holds {files} files of {total} bytes", kept.display());
+        Ok(())
+    }
+
+    /// Runs the corpus once. Returns the lines of `src` where the compiler counts, each with whether it was reached: binutils' addr2line
+    /// names the lines of the places.
+    fn lines(&self) -> Result<Vec<((PathBuf, u32), bool)>> {
+        let Self { workspace, program, corpus, .. } = self;
+        fs::create_dir_all(corpus)?;
+        let places = corpus.with_extension("places");
+        cmd!(workspace.shell, "{program}").env("CRUMPLE_SEEDS", corpus).env("CRUMPLE_COVERAGE", &places).run()?;
+        let places = read(&places)?;
+        let (addresses, reached): (Vec<&str>, Vec<bool>) =
+            places.lines().filter_map(|line| line.split_once(' ')).map(|(address, hit)| (address, hit == "1")).unzip();
+        let named = cmd!(workspace.shell, "addr2line -e {program}").stdin(addresses.join("\n")).read()?;
+        ensure!(named.lines().count() == reached.len(), "addr2line named another number of lines");
+        let source = workspace.path("src");
+        let line = |(line, reached): (&str, bool)| {
+            // FILE:LINE, and sometimes " (discriminator 2)".
+            let (file, number) = line.split(' ').next()?.rsplit_once(':')?;
+            Some(((Path::new(file).strip_prefix(&source).ok()?.to_owned(), number.parse().ok()?), reached))
+        };
+        Ok(named.lines().zip(reached).filter_map(line).collect())
+    }
+}
+
+/// The files of libFuzzer's control file, each with the number of edges that no smaller file reaches.
+fn new_code(control: &str) -> HashMap<&str, u64> {
+    let files: Vec<&str> = control.lines().skip(2).take_while(|line| !line.starts_with("STARTED ")).collect();
+    let edges = |line: &'_ str| {
+        let mut words = line.strip_prefix("COV ")?.split(' ');
+        Some((words.next()?.parse::<usize>().ok()?, words.count() as u64))
+    };
+    control.lines().filter_map(edges).filter_map(|(i, n)| Some((*files.get(i)?, n))).filter(|(_, n)| *n > 0).collect()
+}
+
+/// Prints for each room how many of the lines where the compiler counts any of the targets reached.
+fn coverage<'a>(targets: impl Iterator<Item = Target<'a>>) -> Result<()> {
+    let mut lines: BTreeMap<(PathBuf, u32), bool> = BTreeMap::new();
+    for target in targets {
+        for (line, reached) in target.lines()? {
+            *lines.entry(line).or_default() |= reached;
         }
     }
-    Ok(fuzz)
+    let mut rooms: BTreeMap<PathBuf, (usize, usize)> = BTreeMap::new();
+    for ((file, _), reached) in &lines {
+        let room = file.parent().filter(|room| room != &Path::new("")).unwrap_or(Path::new("."));
+        let top = room.components().next().context("a folder has a name")?;
+        for key in [PathBuf::from(top.as_os_str()), PathBuf::from("all")] {
+            let (hit, all) = rooms.entry(key).or_default();
+            (*hit, *all) = (*hit + usize::from(*reached), *all + 1);
+        }
+    }
+    println!("| room | lines reached | lines where the compiler counts | |\n|---|---|---|---|");
+    for (room, (hit, all)) in rooms {
+        println!("| `{}` | {hit} | {all} | {:.0} % |", room.display(), 100.0 * hit as f64 / all as f64);
+    }
+    Ok(())
 }
 
 /// The names of the targets.
 fn targets(workspace: &Workspace) -> Result<Vec<String>> {
-    let mut names = Vec::new();
-    for entry in fs::read_dir(workspace.path("fuzz/src/bin"))? {
-        names.extend(entry?.path().file_stem().map(|name| name.to_string_lossy().into_owned()));
-    }
-    names.sort();
-    Ok(names)
+    let names = files(&workspace.path("fuzz/src/bin"))?.into_iter();
+    Ok(names.filter_map(|file| Some(file.file_stem()?.to_string_lossy().into_owned())).collect())
 }
 
 /// Cargo's target directory.
@@ -161,16 +245,15 @@ pub fn build_for_stage(workspace: &Workspace) -> Result<()> {
 }
 
 fn for_stage() -> Options {
-    Options {
-        target: Vec::new(),
-        seconds: STAGE_SECONDS,
-        jobs: jobs(),
-        corpus: None,
-        seed: 1,
-        address: false,
-        // Ten seconds are shorter than what the compiler takes to optimise.
-        profile: "quick".into(),
-        coverage: false,
-        keep: false,
+    // Ten seconds are shorter than what the compiler takes to optimise.
+    Options { seconds: STAGE_SECONDS, jobs: jobs(), seed: 1, profile: "quick".into(), ..Options::default() }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn files_with_new_edges_are_found_in_a_control_file() {
+        let control = "2\n0\na\nb\nSTARTED 0 5\nFT 0 1 2\nCOV 0 7 8\nSTARTED 1 6\nFT 1 3\nCOV 1\n";
+        assert_eq!(super::new_code(control).into_iter().collect::<Vec<_>>(), [("a", 2)]);
     }
 }

@@ -7,8 +7,6 @@ mod blender;
 mod car;
 mod ci;
 mod command;
-mod corpus;
-mod coverage;
 mod csharp;
 mod debian;
 mod declarations;

@@ -1,7 +1,7 @@
 //! Stages of `cargo xtask test` and `cargo xtask ci`. Every stage runs, and a table at the end says how each one ended and how long
 //! it took.
 
-use std::fmt::{self, Write};
+use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::process::{Child, Command, Stdio};
 use std::time::Instant;
@@ -140,8 +140,8 @@ pub fn run_all(workspace: &Workspace, stages: &[&Stage], rules: Rules) -> Result
         Ok(left_out)
     });
     print!("\n{}", table(&rows, workspace.all));
-    let failed: Vec<&str> = rows.iter().filter(|row| row.verdict == Verdict::Failed).map(|row| row.name).collect();
-    ensure!(failed.is_empty(), "failed: {}", failed.join(", "));
+    let failed = names(&rows, Verdict::Failed);
+    ensure!(failed.is_empty(), "failed: {failed}");
     Ok(())
 }
 
@@ -150,42 +150,44 @@ fn run_one(workspace: &Workspace, stage: &Stage, missing: &[Tool]) -> Result<Opt
     if let Some(reason) = stage.elsewhere {
         bail!(LeftOut::NotApplicable(reason.to_owned()));
     }
-    let missing_of = |tools: &[Tool]| tools.iter().filter(|tool| missing.contains(tool)).copied().collect::<Vec<_>>();
-    let (needs, wants) = (missing_of(stage.needs), missing_of(stage.wants));
-    if !needs.is_empty() {
-        bail!(LeftOut::Missing(tools::advice(&needs)));
+    let missing_of = |tools: &[Tool]| -> Option<String> {
+        let missing: Vec<Tool> = tools.iter().filter(|tool| missing.contains(tool)).copied().collect();
+        (!missing.is_empty()).then(|| tools::advice(&missing))
+    };
+    if let Some(advice) = missing_of(stage.needs) {
+        bail!(LeftOut::Missing(advice));
     }
     workspace.left_out.take();
     (stage.run)(workspace)?;
-    Ok(workspace.left_out.take().or_else(|| (!wants.is_empty()).then(|| tools::advice(&wants))))
+    Ok(workspace.left_out.take().or_else(|| missing_of(stage.wants)))
 }
+
+type Run<'a> = dyn FnMut(&Stage) -> Result<Option<String>> + 'a;
 
 fn run_each(stages: &[&Stage], rules: Rules, mut run: impl FnMut(&Stage) -> Result<Option<String>>) -> Vec<Row> {
     let mut rows: Vec<Row> = Vec::new();
     for stage in stages {
         let stopped = rules.fail_fast && rows.iter().any(|row| row.verdict == Verdict::Failed);
-        rows.push(if stopped {
-            let reason = "an earlier stage failed".to_owned();
-            Row { name: stage.name, verdict: Verdict::LeftOut, seconds: 0.0, reason }
-        } else {
-            row(stage, rules, &mut run)
+        let skipped = || ("an earlier stage failed".to_owned(), Verdict::LeftOut);
+        rows.push(match stopped.then(skipped) {
+            Some((reason, verdict)) => Row { name: stage.name, verdict, seconds: 0.0, reason },
+            None => row(stage, rules, &mut run),
         });
     }
-    if rules.retry && !rules.fail_fast {
-        for (stage, first) in stages.iter().zip(&mut rows).filter(|(_, row)| row.verdict == Verdict::Failed) {
-            println!("\n== {} failed and runs once more", stage.name);
-            let second = row(stage, rules, &mut run);
-            // The row keeps why it failed first, and has the seconds of both runs.
-            first.seconds += second.seconds;
-            if second.verdict != Verdict::Failed {
-                first.verdict = Verdict::SecondTry;
-            }
+    let again = rules.retry && !rules.fail_fast;
+    for (stage, first) in stages.iter().zip(&mut rows).filter(|(_, row)| again && row.verdict == Verdict::Failed) {
+        println!("\n== {} failed and runs once more", stage.name);
+        let second = row(stage, rules, &mut run);
+        // The row keeps why it failed first, and has the seconds of both runs.
+        first.seconds += second.seconds;
+        if second.verdict != Verdict::Failed {
+            first.verdict = Verdict::SecondTry;
         }
     }
     rows
 }
 
-fn row(stage: &Stage, rules: Rules, run: &mut impl FnMut(&Stage) -> Result<Option<String>>) -> Row {
+fn row(stage: &Stage, rules: Rules, run: &mut Run<'_>) -> Row {
     println!("\n== {}: {}", stage.name, stage.shows);
     let start = Instant::now();
     // A stage that panics must not end the others.
@@ -193,14 +195,11 @@ fn row(stage: &Stage, rules: Rules, run: &mut impl FnMut(&Stage) -> Result<Optio
     let (verdict, reason) = match ended {
         Ok(None) => (Verdict::Passed, String::new()),
         Ok(Some(reason)) => (if rules.require_all { Verdict::Failed } else { Verdict::InPart }, reason),
-        Err(error) => {
-            let verdict = match error.downcast_ref() {
-                Some(LeftOut::NotApplicable(_)) => Verdict::LeftOut,
-                Some(LeftOut::Missing(_)) if !rules.require_all => Verdict::LeftOut,
-                _ => Verdict::Failed,
-            };
-            (verdict, format!("{error:#}"))
-        }
+        Err(error) => match error.downcast_ref() {
+            Some(LeftOut::NotApplicable(_)) => (Verdict::LeftOut, format!("{error:#}")),
+            Some(LeftOut::Missing(_)) if !rules.require_all => (Verdict::LeftOut, format!("{error:#}")),
+            _ => (Verdict::Failed, format!("{error:#}")),
+        },
     };
     let seconds = start.elapsed().as_secs_f64();
     println!("== {}: {} after {seconds:.1} s", stage.name, verdict.word());
@@ -212,13 +211,9 @@ fn row(stage: &Stage, rules: Rules, run: &mut impl FnMut(&Stage) -> Result<Optio
 
 /// Fails with the names of what failed, after printing why.
 pub fn all_passed(results: Vec<(&str, Result<()>)>) -> Result<()> {
-    let mut failed = Vec::new();
-    for (name, result) in results {
-        if let Err(error) = result {
-            println!("{name}: {error:#}");
-            failed.push(name);
-        }
-    }
+    let failed = results.into_iter().filter_map(|(name, result)| Some((name, result.err()?)));
+    let failed: Vec<&str> =
+        failed.inspect(|(name, error)| println!("{name}: {error:#}")).map(|(name, _)| name).collect();
     ensure!(failed.is_empty(), "{} failed", failed.join(", "));
     Ok(())
 }
@@ -229,26 +224,25 @@ fn table(rows: &[Row], all: bool) -> String {
     let all = if all { " --all" } else { "" };
     let mut text = format!("{:width$}  result      seconds  repeat alone\n", "stage");
     for Row { name, verdict, seconds, reason } in rows {
-        let (result, line) = (verdict.word(), reason.lines().next().unwrap_or_default());
-        let repeat = format!("cargo xtask test{all} --only {name:width$}");
-        let _ = writeln!(text, "{name:width$}  {result:10}  {seconds:7.1}  {repeat}  {}", shortened(line));
+        let (result, reason) = (verdict.word(), reason.lines().next().unwrap_or_default());
+        let line = format!(
+            "{name:width$}  {result:10}  {seconds:7.1}  cargo xtask test{all} --only {name:width$}  {reason:.90}"
+        );
+        text += line.trim_end();
+        text.push('\n');
     }
-    let count = |of: &[Verdict]| rows.iter().filter(|row| of.contains(&row.verdict)).count();
-    let passed = count(&[Verdict::Passed, Verdict::SecondTry, Verdict::InPart]);
-    let (failed, skipped) = (count(&[Verdict::Failed]), count(&[Verdict::LeftOut]));
-    let mut text = text.lines().map(str::trim_end).collect::<Vec<_>>().join("\n");
-    let unsteady: Vec<&str> = rows.iter().filter(|row| row.verdict == Verdict::SecondTry).map(|row| row.name).collect();
+    let unsteady = names(rows, Verdict::SecondTry);
     if !unsteady.is_empty() {
-        let names = unsteady.join(", ");
-        let _ = write!(text, "\n\n{names}: failed, then passed when run again. That is a bug.");
+        text += &format!("\n{unsteady}: failed, then passed when run again. That is a bug.\n");
     }
-    format!("{text}\n\n{passed} passed, {failed} failed, {skipped} skipped\n")
+    let count = |verdict| rows.iter().filter(|row| row.verdict == verdict).count();
+    let passed = count(Verdict::Passed) + count(Verdict::SecondTry) + count(Verdict::InPart);
+    format!("{text}\n{passed} passed, {} failed, {} skipped\n", count(Verdict::Failed), count(Verdict::LeftOut))
 }
 
-/// The first 90 letters.
-fn shortened(line: &str) -> String {
-    let start: String = line.chars().take(90).collect();
-    if start.len() < line.len() { start + "…" } else { start }
+/// The stages that ended so.
+fn names(rows: &[Row], verdict: Verdict) -> String {
+    rows.iter().filter(|row| row.verdict == verdict).map(|row| row.name).collect::<Vec<_>>().join(", ")
 }
 
 impl Verdict {
@@ -265,8 +259,6 @@ impl Verdict {
 
 #[cfg(test)]
 mod tests {
-    use anyhow::bail;
-
     use super::*;
 
     const fn stage(name: &'static str) -> Stage {
@@ -303,29 +295,14 @@ mod tests {
 
     #[test]
     fn a_stage_that_fails_does_not_hide_the_others() {
-        use Verdict::{Failed, InPart, LeftOut, Passed};
+        use Verdict::{Failed, InPart, LeftOut, Passed, SecondTry};
         assert_eq!(verdicts(Rules::default()), [Passed, Failed, InPart, LeftOut, LeftOut, Failed, Failed]);
         let required = [Passed, Failed, Failed, Failed, LeftOut, Failed, Failed];
         assert_eq!(verdicts(Rules { require_all: true, ..Rules::default() }), required);
         let stopped = [Passed, Failed, LeftOut, LeftOut, LeftOut, LeftOut, LeftOut];
         assert_eq!(verdicts(Rules { fail_fast: true, retry: true, ..Rules::default() }), stopped);
-    }
-
-    #[test]
-    fn a_stage_that_fails_runs_again_and_the_table_says_so() {
-        use Verdict::{Failed, InPart, LeftOut, Passed, SecondTry};
         let tried = [Passed, Failed, InPart, LeftOut, LeftOut, SecondTry, Failed];
         assert_eq!(verdicts(Rules { retry: true, ..Rules::default() }), tried);
-        let row = Row { name: "threads", verdict: SecondTry, seconds: 61.04, reason: "a race".into() };
-        let expected = "\
-stage    result      seconds  repeat alone
-threads  second try     61.0  cargo xtask test --all --only threads  a race
-
-threads: failed, then passed when run again. That is a bug.
-
-1 passed, 0 failed, 0 skipped
-";
-        assert_eq!(table(&[row], true), expected);
     }
 
     #[test]
@@ -335,15 +312,19 @@ threads: failed, then passed when run again. That is a bug.
             row("install", Verdict::Passed, ""),
             row("abi", Verdict::LeftOut, "no tag"),
             row("rust", Verdict::Failed, "cargo test failed\nwith status 101"),
+            row("threads", Verdict::SecondTry, "a race"),
         ];
         let expected = "\
 stage    result      seconds  repeat alone
-install  passed          1.2  cargo xtask test --only install
-abi      left out        1.2  cargo xtask test --only abi      no tag
-rust     failed          1.2  cargo xtask test --only rust     cargo test failed
+install  passed          1.2  cargo xtask test --all --only install
+abi      left out        1.2  cargo xtask test --all --only abi      no tag
+rust     failed          1.2  cargo xtask test --all --only rust     cargo test failed
+threads  second try      1.2  cargo xtask test --all --only threads  a race
 
-1 passed, 1 failed, 1 skipped
+threads: failed, then passed when run again. That is a bug.
+
+2 passed, 1 failed, 1 skipped
 ";
-        assert_eq!(table(&rows, false), expected);
+        assert_eq!(table(&rows, true), expected);
     }
 }
