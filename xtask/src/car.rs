@@ -7,8 +7,8 @@ use clap::Args;
 use xshell::cmd;
 
 use crate::blender;
+use crate::exports;
 use crate::files::empty_directory;
-use crate::peers;
 use crate::python;
 use crate::stage::LeftOut;
 use crate::tools::{NPM, PYTHON3};
@@ -73,7 +73,7 @@ pub fn stage(workspace: &Workspace) -> Result<()> {
     }
     let files =
         ["car", "car_coarse", "car_body", "car_inner", "car_collider"].map(|name| out.join(format!("{name}.glb")));
-    match peers::validate(workspace, &files) {
+    match exports::validate(workspace, &files) {
         Err(error) if error.is::<LeftOut>() => {
             workspace.leave_out(format!("{error:#}"));
             Ok(())

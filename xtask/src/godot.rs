@@ -1,5 +1,6 @@
-//! Tests of the Godot extension in the engine itself. The engine, its own C library and Mesa's driver are packages of Debian sid,
-//! unpacked below the target directory beside the system. Another engine may be named by `CRUMPLE_GODOT`.
+//! The Godot extension: packs it as an archive to unpack into a project, and tests it in the engine itself. The engine, its own C library
+//! and Mesa's driver are packages of Debian sid, unpacked below the target directory beside the system. Another engine may be named by
+//! `CRUMPLE_GODOT`.
 
 use std::fs;
 use std::net::UdpSocket;
@@ -7,17 +8,21 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
+use clap::Args;
 use xshell::{Cmd, PushEnv, cmd};
 
 use crate::debian;
 use crate::demo;
-use crate::files::{copy, empty_directory, files, read, write};
+use crate::files::{copy, copy_into, empty_directory, files, read, write};
+use crate::package::{archive, licenses, markdown, nothing_of_this_machine};
 use crate::stage::all_passed;
+use crate::target::{self, Target};
+use crate::tools::{self, MINGW, WINDOWS_RUST};
 use crate::vulkan;
 use crate::wine::Display;
 use crate::workspace::Workspace;
 
-pub const BINDING: &str = "bindings/godot";
+const BINDING: &str = "bindings/godot";
 /// Names the program of a Godot of version 4.6 or later.
 const ENGINE: &str = "CRUMPLE_GODOT";
 const PACKAGES: &[&str] = &["godot", "mesa-vulkan-drivers"];
@@ -38,6 +43,22 @@ const LEAKS: &[&str] = &["leaked at exit", "were leaked", "still in use at exit"
 const TRUCK_TOWN: &str = "CRUMPLE_TRUCK_TOWN";
 /// Seconds after which a run is ended.
 const PATIENCE: &str = "240";
+
+#[derive(Args)]
+pub struct Options {
+    /// Folder for the archive
+    #[arg(long, value_name = "DIR", default_value = "out/addon")]
+    out: PathBuf,
+    /// Build the extension for Windows too, with MinGW
+    #[arg(long)]
+    windows: bool,
+    /// Also write the demo project to DIR/demo, ready to run
+    #[arg(long)]
+    demo: bool,
+}
+
+/// The addon's folder in a project.
+const ADDON: &str = "addons/crumple";
 
 pub fn run(workspace: &Workspace) -> Result<()> {
     let engine = engine(workspace)?;
@@ -107,7 +128,7 @@ fn lay_out(workspace: &Workspace, library: &Path) -> Result<PathBuf> {
 
 /// Writes what the demo needs beside the files of the repository: the car, and the list of extensions that the editor writes when it
 /// finds one.
-pub fn lay_out_generated(workspace: &Workspace, project: &Path) -> Result<()> {
+fn lay_out_generated(workspace: &Workspace, project: &Path) -> Result<()> {
     // Wheels are nodes of their own.
     demo::lay_out_car(workspace, &project.join("assets"), &["--moving", "wheel_*"])?;
     fs::create_dir_all(project.join(".godot"))?;
@@ -216,4 +237,71 @@ impl<'a> Tests<'a> {
         text.lines().filter(|line| line.ends_with(" failed")).for_each(|line| println!("{line}"));
         Ok(())
     }
+}
+
+/// `cargo xtask addon`: the archive.
+pub fn pack(workspace: &Workspace, options: &Options) -> Result<()> {
+    let mut targets = vec![Target::host(workspace)?];
+    if options.windows {
+        tools::require(workspace, &[WINDOWS_RUST, MINGW])?;
+        targets.push(Target::other(target::WINDOWS));
+    }
+    let stage = workspace.target.join("package/godot");
+    empty_directory(&stage)?;
+    let addon = stage.join(ADDON);
+    let source = workspace.path(BINDING).join("project").join(ADDON);
+    let built = source.join("bin");
+    for file in files(&source)?.iter().filter(|file| !file.starts_with(&built)) {
+        // The editor writes these beside files; each project has its own.
+        if !["import", "uid"].iter().any(|own| file.extension().is_some_and(|extension| extension == *own)) {
+            copy(file, &addon.join(file.strip_prefix(&source)?))?;
+        }
+    }
+    for target in &targets {
+        println!("Building for {}; the bindings of the whole engine take minutes.", target.triple);
+        copy_into(&release(workspace, target)?, &addon.join("bin"))?;
+    }
+    let page = read(&workspace.path(BINDING).join("README.md"))?;
+    write(&addon.join("README.md"), markdown::without_dead_links(&page, &addon))?;
+    for license in ["LICENSE-MIT", "LICENSE-APACHE"] {
+        copy_into(&workspace.path(license), &addon)?;
+    }
+    let linked = licenses::linked_of(workspace, &manifest(workspace), &targets)?;
+    licenses::write_all(workspace, &linked, &addon)?;
+
+    let out = workspace.path(&options.out);
+    fs::create_dir_all(&out).with_context(|| format!("creating {}", out.display()))?;
+    let archive = out.join(format!("crumple-godot-{}.zip", workspace.version));
+    archive::zip(&stage.join("addons"), &archive)?;
+    if options.demo {
+        let (from, project) = (workspace.path(BINDING).join("project"), out.join("demo"));
+        empty_directory(&project)?;
+        copy_into(&from.join("project.godot"), &project)?;
+        for (folder, within) in [(&from, "demo"), (&stage, "addons")] {
+            for file in files(&folder.join(within))? {
+                copy(&file, &project.join(file.strip_prefix(folder)?))?;
+            }
+        }
+        lay_out_generated(workspace, &project)?;
+        println!("{0} is the demo: godot --path {0}", project.display());
+    }
+    println!("{} ({:.1} MB)", archive.display(), fs::metadata(&archive)?.len() as f64 / 1e6);
+    Ok(())
+}
+
+fn manifest(workspace: &Workspace) -> PathBuf {
+    workspace.path(BINDING).join("Cargo.toml")
+}
+
+/// The library of a release build, without paths of this machine.
+fn release(workspace: &Workspace, target: &Target) -> Result<PathBuf> {
+    let (manifest, directory) = (manifest(workspace), workspace.target.join("godot"));
+    let text = |path: &Path| path.display().to_string();
+    let (manifest, directory_text) = (text(&manifest), text(&directory));
+    let what = ["build", "--release", "--locked", "--manifest-path", &manifest, "--target-dir", &directory_text];
+    target.cargo(workspace, &what)?.run()?;
+    let name = if target.is_windows() { "crumple_godot.dll" } else { "libcrumple_godot.so" };
+    let library = if target.cross { directory.join(&target.triple) } else { directory }.join("release").join(name);
+    nothing_of_this_machine(workspace, std::slice::from_ref(&library))?;
+    Ok(library)
 }

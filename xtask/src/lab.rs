@@ -1,14 +1,16 @@
-//! `cargo xtask lab`: runs the lab's parts one after the other, draws their charts and writes docs/lab/README.md.
+//! `cargo xtask lab` runs the lab's parts one after the other, draws their charts and writes docs/lab/README.md. `cargo xtask bench` runs
+//! its benchmark, and with `--gpu` that of graphics devices.
 
 use std::path::PathBuf;
 use std::time::Instant;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, ensure};
 use clap::Args;
 use xshell::cmd;
 
 use crate::engines;
 use crate::files::empty_directory;
+use crate::package::SLIM;
 use crate::python;
 use crate::tools::PYTHON3;
 use crate::workspace::Workspace;
@@ -17,96 +19,160 @@ use crate::workspace::Workspace;
 pub struct Options {
     /// Measure a few impacts only, in under 3 minutes; writes to target/lab-quick and replaces no committed figure
     #[arg(long)]
-    pub quick: bool,
+    quick: bool,
     /// Only this part; may be given several times
     #[arg(long, value_name = "PART")]
-    pub only: Vec<String>,
+    only: Vec<String>,
 }
 
-/// A part of the lab. Its fields run in this order. A script that does not exist is left out.
-struct Part {
-    name: &'static str,
-    /// Subcommand of `crumple-lab`.
-    measures: Option<&'static str>,
-    /// Script in lab/python and its own arguments, or nothing. It also gets `--out DIRECTORY`, and `--quick` in a quick run.
-    script: &'static [&'static str],
-    /// Script in lab/python. It gets the directory.
-    shows: Option<&'static str>,
+#[derive(Args)]
+pub struct BenchOptions {
+    /// Measure briefly, without the largest meshes; replaces no committed figure
+    #[arg(long)]
+    quick: bool,
+    /// Write the results as JSON: an array of name, value, unit, reference (in the unit) and ratio
+    #[arg(long, value_name = "FILE", conflicts_with = "gpu")]
+    json: Option<PathBuf>,
+    /// Only the results whose names begin like this, or this workload of graphics devices; may be given several times
+    #[arg(long, value_name = "NAME")]
+    only: Vec<String>,
+    /// Measure each graphics device that the Vulkan loader finds; VK_DRIVER_FILES chooses its drivers
+    #[arg(long)]
+    gpu: bool,
+    /// Only devices whose names begin like this; may be given several times
+    #[arg(long, value_name = "NAME", requires = "gpu")]
+    device: Vec<String>,
 }
 
-const fn part(name: &'static str) -> Part {
-    Part { name, measures: None, script: &[], shows: None }
-}
-
-const PARTS: &[Part] = &[
-    Part { measures: Some("accuracy"), ..part("accuracy") },
-    Part { measures: Some("told"), script: &["surrogates.py"], ..part("told") },
-    Part { measures: Some("learn"), ..part("learn") },
-    Part { measures: Some("contacts"), ..part("contacts") },
-    Part { measures: Some("combine"), ..part("combine") },
-    Part { measures: Some("peers"), script: &["mujoco_peer.py"], ..part("peers") },
-    Part { measures: Some("stability"), ..part("stability") },
-    Part { measures: Some("pictures"), ..part("pictures") },
-    Part { measures: Some("looks"), ..part("looks") },
-    Part { measures: Some("speed"), ..part("speed") },
-    Part { measures: Some("scene"), ..part("scene") },
-    Part { measures: Some("crash"), script: &["film.py", "crash"], ..part("crash") },
-    Part { measures: Some("crowd"), script: &["film.py", "crowd"], ..part("crowd") },
-    Part { shows: Some("draw.py"), ..part("charts") },
-    Part { shows: Some("report.py"), ..part("report") },
+/// Parts in their order: subcommands of `crumple-lab`, each with a script of lab/python that follows it, and its arguments.
+const MEASURED: &[(&str, &[&str])] = &[
+    ("accuracy", &[]),
+    ("told", &["surrogates.py"]),
+    ("learn", &[]),
+    ("contacts", &[]),
+    ("combine", &[]),
+    ("peers", &["mujoco_peer.py"]),
+    ("stability", &[]),
+    ("pictures", &[]),
+    ("looks", &[]),
+    ("speed", &[]),
+    ("scene", &[]),
+    ("crash", &["film.py", "crash"]),
+    ("crowd", &["film.py", "crowd"]),
 ];
+/// Parts that follow, each with its script, which gets the folder of what was measured.
+const SHOWN: &[(&str, &str)] = &[("charts", "draw.py"), ("report", "report.py")];
+/// The benchmark of graphics devices that needs none.
+const COMPILED: &str = "compiled";
 
 pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
+    let names: Vec<&str> = MEASURED.iter().map(|part| part.0).chain(SHOWN.iter().map(|part| part.0)).collect();
     for name in &options.only {
-        if !PARTS.iter().any(|part| part.name == name) {
-            let names: Vec<&str> = PARTS.iter().map(|part| part.name).collect();
-            bail!("there is no part {name:?}; there are: {}", names.join(", "));
-        }
+        ensure!(names.contains(&name.as_str()), "there is no part {name:?}; there are: {}", names.join(", "));
     }
-    let wanted = |part: &&Part| options.only.is_empty() || options.only.iter().any(|name| name == part.name);
-    let parts: Vec<&Part> = PARTS.iter().filter(wanted).collect();
+    let wanted = |name: &str| options.only.is_empty() || options.only.iter().any(|only| only == name);
     let out = if options.quick { workspace.target.join("lab-quick") } else { workspace.path("docs/lab") };
     if options.quick && options.only.is_empty() {
         empty_directory(&out)?;
     }
 
-    let start = Instant::now();
+    let (sh, start) = (&workspace.shell, Instant::now());
     let program = timed("build", || program(workspace, &["--all-features"]))?;
     let python = timed("python", || python(workspace))?;
-    let sh = &workspace.shell;
-    let _no_cache = sh.push_env("PYTHONDONTWRITEBYTECODE", "1");
-    for part in parts {
-        timed(part.name, || {
+    let alone = |name: &str| format!("part {name} failed; alone: cargo xtask lab --only {name}");
+    for (name, script) in MEASURED.iter().filter(|part| wanted(part.0)) {
+        timed(name, || {
             let quick = options.quick.then_some("--quick");
-            if let Some(subcommand) = part.measures {
-                let throws = (part.name == "contacts").then(|| engines::build(workspace)).transpose()?;
-                let throws = throws.map(|folder| format!("--throws={}", folder.display()));
-                cmd!(sh, "{program} {subcommand} {throws...} {quick...} --out {out}").quiet().run()?;
-            }
-            if let [script, arguments @ ..] = part.script {
-                let path = script_path(workspace, script);
-                if path.exists() {
-                    cmd!(sh, "{python} {path} {arguments...} {quick...} --out {out}").quiet().run()?;
-                } else {
-                    println!("left out: there is no {}", path.display());
-                }
-            }
-            if let Some(script) = part.shows {
-                let path = script_path(workspace, script);
-                cmd!(sh, "{python} {path} {out}").quiet().run()?;
+            let throws = (*name == "contacts").then(|| engines::build(workspace)).transpose()?;
+            let throws = throws.map(|folder| format!("--throws={}", folder.display()));
+            cmd!(sh, "{program} {name} {throws...} {quick...} --out {out}").quiet().run()?;
+            if let [script, arguments @ ..] = script {
+                let path = workspace.path("lab/python").join(script);
+                cmd!(sh, "{python} -B {path} {arguments...} {quick...} --out {out}").quiet().run()?;
             }
             Ok(())
         })
-        .with_context(|| format!("part {0} failed; alone: cargo xtask lab --only {0}", part.name))?;
+        .with_context(|| alone(name))?;
+    }
+    for (name, script) in SHOWN.iter().filter(|part| wanted(part.0)) {
+        let path = workspace.path("lab/python").join(script);
+        timed(name, || Ok(cmd!(sh, "{python} -B {path} {out}").quiet().run()?)).with_context(|| alone(name))?;
     }
     println!("== lab: {} after {:.0} s", out.display(), start.elapsed().as_secs_f64());
     Ok(())
 }
 
+pub fn bench(workspace: &Workspace, options: &BenchOptions) -> Result<()> {
+    if options.gpu {
+        return bench_devices(workspace, options);
+    }
+    // The physics engines that `cargo xtask lab` needs are left out: they take longer to build than all the rest.
+    let program = program(workspace, &[])?;
+    let (out, lab) = (workspace.path("docs/bench"), workspace.path("docs/lab"));
+    let quick = options.quick.then_some("--quick");
+    let only = options.only.iter().flat_map(|name| ["--only", name]);
+    let json = match &options.json {
+        // The program runs in the repository's root.
+        Some(file) => vec!["--json".into(), std::path::absolute(file)?],
+        None => Vec::new(),
+    };
+    cmd!(workspace.shell, "{program} bench {quick...} {only...} {json...} --out {out} --lab {lab}").quiet().run()?;
+    Ok(())
+}
+
+/// Measures graphics devices. A full run replaces their tables, and the charts and the page made from all tables.
+fn bench_devices(workspace: &Workspace, options: &BenchOptions) -> Result<()> {
+    let program = program(workspace, &["--features", "gpu"])?;
+    let (sh, out) = (&workspace.shell, workspace.path("docs/bench"));
+    let asked = |what: &str| options.only.iter().any(|name| name == what);
+    let (quick, whole) = (options.quick.then_some("--quick"), !options.quick && options.only.is_empty());
+    let library = if asked("library") || whole { stripped_library(workspace)? } else { None };
+    if asked(COMPILED) || options.only.is_empty() {
+        let to = if options.quick { Vec::new() } else { vec!["--out".into(), out.clone()] };
+        cmd!(sh, "{program} {COMPILED} {to...}").quiet().run()?;
+    }
+    if asked(COMPILED) && options.only.len() == 1 {
+        return Ok(());
+    }
+    let only = options.only.iter().filter(|name| *name != COMPILED).flat_map(|name| ["--only", name]);
+    let device = options.device.iter().flat_map(|name| ["--device", name]);
+    let library = library.map(|file| format!("--library={}", file.display()));
+    cmd!(sh, "{program} gpu {quick...} {only...} {device...} {library...} --out {out}").quiet().run()?;
+    if whole {
+        let python = python(workspace)?;
+        for script in ["draw.py", "gpu_report.py"] {
+            let path = workspace.path("lab/python").join(script);
+            cmd!(sh, "{python} -B {path} {out}").quiet().run()?;
+        }
+    }
+    Ok(())
+}
+
+/// The slim C library, stripped. `None` without a `strip` program.
+fn stripped_library(workspace: &Workspace) -> Result<Option<PathBuf>> {
+    use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
+    let features = SLIM.library.join(",");
+    let what = ["build", "--profile", "dist", "--package", "crumple", "--lib", "--no-default-features", "--features"];
+    workspace.cargo(&what).arg(features).run()?;
+    let (name, folder) = (format!("{DLL_PREFIX}crumple{DLL_SUFFIX}"), workspace.target.join("stripped"));
+    let (library, stripped) = (workspace.target.join("dist").join(&name), folder.join(&name));
+    empty_directory(&folder)?;
+    if let Err(error) = cmd!(workspace.shell, "strip -o {stripped} {library}").quiet().run() {
+        println!("left out: the library's size, since it cannot be stripped ({error})");
+        return Ok(None);
+    }
+    Ok(Some(stripped))
+}
+
 /// Builds the lab with these features and returns its program.
-pub fn program(workspace: &Workspace, features: &[&str]) -> Result<PathBuf> {
+fn program(workspace: &Workspace, features: &[&str]) -> Result<PathBuf> {
     workspace.cargo_anywhere(&["build", "--release", "--package", "crumple-lab"])?.args(features).run()?;
     Ok(workspace.target.join("release/crumple-lab").with_extension(std::env::consts::EXE_EXTENSION))
+}
+
+/// A Python with the pinned packages that the scripts need.
+fn python(workspace: &Workspace) -> Result<PathBuf> {
+    python::environment(workspace, PYTHON3, "lab-venv", "lab/python/requirements.txt")
 }
 
 fn timed<T>(name: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
@@ -114,13 +180,4 @@ fn timed<T>(name: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
     let done = work()?;
     println!("== {name}: {:.1} s", start.elapsed().as_secs_f64());
     Ok(done)
-}
-
-fn script_path(workspace: &Workspace, script: &str) -> PathBuf {
-    workspace.path("lab/python").join(script)
-}
-
-/// A Python with the pinned packages that the scripts need.
-pub fn python(workspace: &Workspace) -> Result<PathBuf> {
-    python::environment(workspace, PYTHON3, "lab-venv", "lab/python/requirements.txt")
 }

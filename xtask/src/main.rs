@@ -1,11 +1,8 @@
 //! `cargo xtask`: one command for each thing that developers and CI do with this repository, the same on every platform.
 
 mod abi;
-mod addon;
-mod bench;
 mod blender;
 mod car;
-mod ci;
 mod command;
 mod csharp;
 mod debian;
@@ -13,18 +10,16 @@ mod declarations;
 mod demo;
 mod dependencies;
 mod engines;
-mod exporters;
+mod exports;
 mod files;
 mod fuzz;
 mod godot;
 mod header;
 mod install;
 mod lab;
-mod messages;
 mod native;
 mod nightly;
 mod package;
-mod peers;
 mod platforms;
 mod python;
 mod reference;
@@ -36,7 +31,6 @@ mod stage;
 mod target;
 mod test;
 mod tools;
-mod unity;
 mod valgrind;
 mod vulkan;
 mod web;
@@ -92,7 +86,7 @@ enum Command {
     /// Make the Python wheel for this system, with the library and the command inside
     Wheel(python::Options),
     /// Make the archive of the Godot extension
-    Addon(addon::Options),
+    Addon(godot::Options),
     /// Make the archive of the Blender extension, for this system
     Extension(blender::Options),
     /// Make the npm package and its page
@@ -108,7 +102,7 @@ enum Command {
     /// Measure accuracy, cost, stability and peers; write docs/lab with its tables, charts and report
     Lab(lab::Options),
     /// Measure fixed workloads and references in the same run; write docs/bench
-    Bench(bench::Options),
+    Bench(lab::BenchOptions),
     /// Hit, deform, save and repair bodies for hours; fail if memory grows or vertices drift, or measure how long calls take
     Soak(soak::Options),
     /// Run info, bake, sample and apply over a folder of glTF and OBJ files, and compare everything that no dent reached
@@ -161,7 +155,7 @@ fn run(command: Command) -> Result<()> {
         }
         Command::Package(options) => package::run(&workspace, &options),
         Command::Wheel(options) => python::run(&workspace, &options),
-        Command::Addon(options) => addon::run(&workspace, &options),
+        Command::Addon(options) => godot::pack(&workspace, &options),
         Command::Extension(options) => blender::run(&workspace, &options),
         Command::Web(options) => web::run(&workspace, &options),
         Command::Fuzz(options) => fuzz::run(&workspace, &options),
@@ -169,11 +163,11 @@ fn run(command: Command) -> Result<()> {
         Command::Msan => nightly::memory(&workspace),
         Command::Schedules => nightly::schedules(&workspace),
         Command::Lab(options) => lab::run(&workspace, &options),
-        Command::Bench(options) => bench::run(&workspace, &options),
+        Command::Bench(options) => lab::bench(&workspace, &options),
         Command::Soak(options) => soak::run(&workspace, &options),
         Command::Sweep { folder, options } => {
             let test = workspace.cargo(&["test", "--quiet", "--package", "crumple", "--features", "cli"]);
-            exporters::sweep(test, &folder, &options.join(" "))
+            exports::sweep(test, &folder, &options.join(" "))
         }
         Command::Ci { fail_fast } => test::ci(&workspace, fail_fast),
         Command::Ahead => test::ahead(&workspace),

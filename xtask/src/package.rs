@@ -17,7 +17,7 @@ use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
 use xshell::cmd;
 
-use crate::command::Command;
+use crate::command;
 use crate::files::{copy_into, empty_directory, files};
 use crate::install::{self, Built, Profile};
 use crate::native;
@@ -116,7 +116,7 @@ fn build(workspace: &Workspace, flavour: &'static Flavour, target: &Target) -> R
     println!("Building the {} flavour; it is optimized as a whole, which takes minutes.", flavour.name);
     let mut command = None;
     if flavour.command {
-        command = Some(Command::handed_out(workspace, target)?.program().to_owned());
+        command = Some(command::handed_out(workspace, target)?);
     }
     // Built after the command, because building the command overwrites the library.
     let library = install::build(workspace, target.clone(), Profile::Dist, flavour.library)?;
@@ -132,7 +132,7 @@ pub fn full(workspace: &Workspace, handed_out: bool) -> Result<PathBuf> {
 
 fn tested(workspace: &Workspace) -> Result<Parts> {
     let library = install::installed(Target::host(workspace)?, &native::release_prefix(workspace)?);
-    Ok(Parts::tested(library, Command::build(workspace, Profile::Debug, None)?.program().to_owned()))
+    Ok(Parts::tested(library, command::tested(workspace)?))
 }
 
 /// Lays out the folder and the folder with its debug symbols, both named like their archives.

@@ -8,7 +8,7 @@ use anyhow::{Result, ensure};
 use xshell::cmd;
 
 use crate::abi;
-use crate::command::Command;
+use crate::command;
 use crate::declarations::{self, HEADERS, INCLUDE};
 use crate::files::{bytes, copy_into, empty_directory, files, read, within, write};
 use crate::install::{self, Built, Profile};
@@ -167,8 +167,8 @@ impl Platform<'_> {
 
     /// The command writes the same files and prints the same reports.
     fn same_files(&self) -> Result<()> {
-        let native = Command::build(self.workspace, Profile::Debug, None)?;
-        let ours = answers(self.workspace, &self.workspace.target.join("same/host"), &[], native.program())?;
+        let native = command::tested(self.workspace)?;
+        let ours = answers(self.workspace, &self.workspace.target.join("same/host"), &[], &native)?;
         let folder = self.workspace.target.join("same").join(&self.target.triple);
         let theirs = answers(self.workspace, &folder, &self.runner, &self.command())?;
         let (names, others): (Vec<_>, Vec<_>) = (ours.keys().collect(), theirs.keys().collect());

@@ -1,14 +1,14 @@
 //! Checks of the repository that build nothing: sizes, and programs, versions and messages that pages repeat.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
 
 use crate::declarations;
+use crate::dependencies;
 use crate::files::{files, files_of, read, within, write};
 use crate::workspace::Workspace;
-use crate::{dependencies, messages, unity};
 
 /// The most bytes of meshes, fixtures and pictures together, of the lab's figures, which `cargo xtask lab` writes, and of its
 /// reference data.
@@ -26,6 +26,20 @@ const SHOWN: &[(&str, &str, &str)] = &[
     ("bindings/python/examples/plot_dent.py", "bindings/python/README.md", "python"),
 ];
 
+/// Each page, and the folder whose sources contain the messages that it quotes.
+const QUOTING: &[(&str, &str)] = &[
+    ("docs/troubleshooting.md", "src"),
+    ("bindings/unity/Runtime/README.md", "bindings/unity/Runtime"),
+    ("bindings/unity/Documentation~/index.md", "bindings/unity"),
+];
+/// The first head of tables that quote our messages. Tables with other heads quote other programs.
+const QUOTES: &str = "| it says |";
+
+/// The Unity package.
+const PACKAGE: &str = "bindings/unity";
+/// Packing puts the native libraries here. Their `.meta` files are here before.
+const PLUGINS: &str = "Plugins/x86_64/";
+
 pub fn run(workspace: &Workspace, fix: bool) -> Result<()> {
     sizes(workspace)?;
     quickstart(workspace)?;
@@ -34,12 +48,12 @@ pub fn run(workspace: &Workspace, fix: bool) -> Result<()> {
         passage(workspace, fix, page, [&begin, &end], &read(&workspace.path(file))?)?;
         println!("{page} shows {file} as it is");
     }
-    unity::metas(workspace, fix)?;
+    metas(workspace, fix)?;
     versions(workspace)?;
     unsafe_blocks(workspace, fix)?;
     dependencies::run(workspace, RELIABILITY, fix)?;
     called(workspace)?;
-    messages::run(workspace)
+    messages(workspace)
 }
 
 /// The plugins' manifests and the changelog name the workspace's version.
@@ -139,4 +153,104 @@ fn called(workspace: &Workspace) -> Result<()> {
         println!("{path} calls the functions of the headers");
     }
     Ok(())
+}
+
+/// The messages that docs quote exist in the sources.
+fn messages(workspace: &Workspace) -> Result<()> {
+    for (page, sources) in QUOTING {
+        let (text, mut source) = (read(&workspace.path(page))?, String::new());
+        for file in files_of(&workspace.path(sources), &["rs", "cs", "cpp", "h", "c"])? {
+            source += &joined(&read(&file)?);
+        }
+        let quoted = quoted(&text);
+        let unknown: Vec<&&str> = quoted.iter().filter(|quote| !source.contains(**quote)).collect();
+        ensure!(unknown.is_empty(), "{page} quotes {unknown:?}, which no source in {sources} contains");
+        println!("{page} quotes {} pieces of messages; all exist", quoted.len());
+    }
+    Ok(())
+}
+
+/// The text in backticks in the first column of our tables.
+fn quoted(page: &str) -> Vec<&str> {
+    let mut within = false;
+    let mut found = Vec::new();
+    for line in page.lines() {
+        within = if line.starts_with(QUOTES) { true } else { within && line.starts_with('|') };
+        if within && !line.starts_with(QUOTES) {
+            let cell = line.split('|').nth(1).unwrap_or_default();
+            found.extend(cell.split('`').skip(1).step_by(2));
+        }
+    }
+    found
+}
+
+/// Continued lines of a string are joined as the compiler joins them.
+fn joined(source: &str) -> String {
+    let mut parts = source.split("\\\n");
+    let first = parts.next().unwrap_or_default().to_owned();
+    parts.fold(first, |text, part| text + part.trim_start())
+}
+
+/// Checks that every asset has a `.meta` file with a guid of its own, and that every `.meta` file has an asset. With `fix`, writes
+/// missing ones.
+fn metas(workspace: &Workspace, fix: bool) -> Result<()> {
+    let root = workspace.path(PACKAGE);
+    let mut names = BTreeSet::new();
+    for file in files(&root)? {
+        let path = within(&root, &file)?;
+        // Unity does not look at names that end in ~ or begin with a dot.
+        if !path.split('/').any(|name| name.ends_with('~') || name.starts_with('.')) {
+            names.extend(path.match_indices('/').map(|(end, _)| path[..end].to_owned()));
+            names.insert(path);
+        }
+    }
+    let (mut guids, mut missing) = (BTreeMap::new(), Vec::new());
+    for asset in names.iter().filter(|name| !name.ends_with(".meta")) {
+        let path = root.join(format!("{asset}.meta"));
+        if !path.exists() && !fix {
+            missing.push(asset.as_str());
+            continue;
+        }
+        if !path.exists() {
+            // Unity adds the importer's settings when it first sees the asset.
+            let text = format!("fileFormatVersion: 2\nguid: {}\n", guid_of(asset));
+            write(&path, text)?;
+            println!("wrote {}", path.display());
+        }
+        let text = read(&path)?;
+        let guid = text.lines().find_map(|line| line.strip_prefix("guid: ")).unwrap_or_default().to_owned();
+        let fits = guid.len() == 32 && guid.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'));
+        ensure!(fits, "{} has no guid of 32 hexadecimal digits", path.display());
+        if let Some(other) = guids.insert(guid, asset) {
+            bail!("{PACKAGE}: {other} and {asset} have the same guid in their .meta files");
+        }
+    }
+    ensure!(missing.is_empty(), "{PACKAGE}: no .meta file for {}; type: cargo xtask repo --fix", missing.join(", "));
+    let metas = names.iter().filter_map(|name| name.strip_suffix(".meta"));
+    let orphans: Vec<&str> = metas.filter(|asset| !names.contains(*asset) && !asset.starts_with(PLUGINS)).collect();
+    ensure!(orphans.is_empty(), "{PACKAGE}: {} have .meta files and are not there", orphans.join(", "));
+    println!("{PACKAGE}: {} assets with .meta files", guids.len());
+    Ok(())
+}
+
+/// 128 bits of FNV-1a over the path: no other asset has it, and it is the same for whoever writes it.
+fn guid_of(asset: &str) -> String {
+    let prime = (1 << 88) + 0x13b;
+    let bytes = b"com.crumple.crumple/".iter().chain(asset.as_bytes());
+    let hash = bytes.fold(0x6c62_272e_07bb_0142_62b8_2175_6295_c58d_u128, |hash, byte| {
+        (hash ^ u128::from(*byte)).wrapping_mul(prime)
+    });
+    format!("{hash:032x}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::quoted;
+
+    #[test]
+    fn only_the_first_column_of_tables_of_messages_counts() {
+        let page =
+            "`a`\n| it says | why |\n|---|---|\n| `b` … `c` | `d` |\n\n| you see | why |\n|---|---|\n| `e` | |\n";
+        assert_eq!(quoted(page), ["b", "c"]);
+    }
 }

@@ -3,7 +3,6 @@
 use anyhow::{Result, bail};
 use clap::Args;
 
-use crate::ci::CHECKS;
 use crate::stage::{self, Rules, Stage};
 use crate::tools::{
     AARCH64_CC, AARCH64_RUST, ABIGAIL, ASSIMP, BLENDER_LIBRARIES, BULLET, CC, CHROMIUM, CMAKE, CXX, FOR_WINDOWS,
@@ -12,8 +11,8 @@ use crate::tools::{
 };
 use crate::workspace::Workspace;
 use crate::{
-    abi, blender, car, csharp, demo, engines, exporters, fuzz, godot, native, nightly, package, peers, platforms,
-    python, source, valgrind, vulkan, web,
+    abi, blender, car, csharp, demo, engines, exports, fuzz, godot, header, native, nightly, package, platforms,
+    python, repo, rooms, source, valgrind, vulkan, web,
 };
 
 #[derive(Args, Default)]
@@ -34,6 +33,29 @@ pub struct Options {
     #[arg(long)]
     pub fail_fast: bool,
 }
+
+/// The checks that `cargo xtask ci` runs before the tests.
+const CHECKS: &[Stage] = &[
+    Stage::new("repository", |workspace| repo::run(workspace, false))
+        .shows("sizes, shown programs, changelog, .meta files and quoted messages are right"),
+    Stage::new("rooms", rooms::run).shows("the imports of src keep the order of its rooms"),
+    Stage::new("header", |workspace| header::run(workspace, true))
+        .shows("the committed header and the C# and Python declarations match the sources"),
+    Stage::new("format", |workspace| Ok(workspace.cargo(&["fmt", "--all", "--check"]).run()?))
+        .shows("rustfmt changes nothing"),
+    Stage::new("lints", |workspace| clippy(workspace, &["--workspace", "--all-targets", "--all-features"]))
+        .shows("clippy finds nothing, with all features"),
+    Stage::new("lints-slim", |workspace| {
+        clippy(workspace, &["--package", "crumple", "--lib", "--no-default-features"])
+    })
+    .shows("clippy finds nothing in the library without features"),
+    Stage::new("documentation", |workspace| {
+        // The whole workspace with all features: stage "lints" has checked its dependencies so.
+        let what = ["doc", "--no-deps", "--workspace", "--all-features"];
+        Ok(workspace.cargo(&what).env("RUSTDOCFLAGS", "--deny warnings").run()?)
+    })
+    .shows("rustdoc finds nothing"),
+];
 
 /// The stages of `cargo xtask test` without options: everybody can run them within minutes.
 const FOR_EVERYBODY: &[&str] = &["install", "cmake", "vulkan", "rust", "ctest"];
@@ -92,7 +114,7 @@ const STAGES: &[Stage] = &[
         .shows("the car's script makes a car: parts, sizes, closed inner solids, normals, symmetry, valid glTF")
         .needs(&[PYTHON3])
         .wants(&[NPM]),
-    Stage::new("blender", peers::opens_exports)
+    Stage::new("blender", exports::opened_by_blender)
         .shows("Blender opens what the command exports")
         .needs(&[PYTHON311, BLENDER_LIBRARIES]),
     Stage::new("extension", blender::stage)
@@ -101,7 +123,7 @@ const STAGES: &[Stage] = &[
         .wants(&[XVFB])
         .leaves(&["blender-bpy50", "blender-window"])
         .only(LINUX_X86_64, "Blender is fetched for Linux on x86-64 only"),
-    Stage::new("gltf-validator", peers::gltf_validator)
+    Stage::new("gltf-validator", exports::valid)
         .shows("the Khronos validator finds nothing wrong with what the command exports")
         .needs(&[NPM]),
     Stage::new("crate", source::crates_io)
@@ -112,7 +134,7 @@ const STAGES: &[Stage] = &[
         .needs(&[CC, XVFB])
         .leaves(&["godot"])
         .only(LINUX_X86_64, "the engine is fetched for Linux on x86-64 only"),
-    Stage::new("exporters", exporters::stage)
+    Stage::new("exporters", exports::of_others)
         .shows("what Blender, three.js, assimp, trimesh and Godot write is read, and what no dent reached is kept")
         .needs(&[PYTHON311, BLENDER_LIBRARIES, NPM, ASSIMP])
         .leaves(&["blender-bpy42", "godot-engine"])
@@ -205,4 +227,9 @@ fn rust(workspace: &Workspace) -> Result<()> {
         results.push(("xtask", helper.map_err(Into::into)));
     }
     stage::all_passed(results)
+}
+
+fn clippy(workspace: &Workspace, what: &[&str]) -> Result<()> {
+    let deny = ["--", "--deny", "warnings", "--deny", "clippy::undocumented_unsafe_blocks"];
+    Ok(workspace.cargo(&["clippy"]).args(what).args(deny).run()?)
 }

@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 use xshell::cmd;
 
-use crate::command::Command;
+use crate::command;
 use crate::demo;
 use crate::files::{copy, copy_into, empty_directory, files};
 use crate::install::Profile;
@@ -61,7 +61,8 @@ pub fn stage(workspace: &Workspace) -> Result<()> {
     lay_out(workspace, &modules, &folder)?;
     let (sh, set) = (&workspace.shell, folder.join(SET));
     let (impacts, dented) = (workspace.path(demo::CRASH), workspace.target.join("web/dented.glb"));
-    Command::build(workspace, Profile::Debug, None)?.apply(&set, &impacts, &dented, None, &[])?;
+    let program = command::tested(workspace)?;
+    cmd!(sh, "{program} apply {set} --impacts {impacts} -o {dented}").quiet().ignore_stdout().run()?;
     let tests = workspace.path(PACKAGE).join("test");
     let (bits, page, module) = (tests.join("node.mjs"), tests.join("page.mjs"), folder.join("crumple/crumple.wasm"));
     cmd!(sh, "node {bits} {module} {set} {impacts} {dented}").run()?;

@@ -1,16 +1,18 @@
-//! What other programs write: a plate with two dents goes through the exporters of Blender, three.js, assimp, trimesh and Godot, and
-//! what they wrote is swept.
+//! What the command exports, in other programs, and what they export, in the command. Blender and the Khronos glTF validator open and
+//! check our files. A plate with two dents goes through the exporters of Blender, three.js, assimp, trimesh and Godot, and what they
+//! wrote is swept. Each program is installed in one pinned version below the target directory.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 use xshell::{Cmd, cmd};
 
 use crate::files::empty_directory;
 use crate::workspace::Workspace;
-use crate::{blender, godot, python, tools};
+use crate::{blender, command, godot, python, tools};
 
+const VALIDATOR: &str = "gltf-validator@2.0.0-dev.3.10";
 const SCRIPTS: &str = "tests/exporters";
 const THREE: &str = "three@0.187.0";
 /// Files that have no examples left, or whose geometry is compressed with Draco.
@@ -22,7 +24,52 @@ const REFUSED: &[&str] = &[
     "trimesh/scene.glb",
 ];
 
-pub fn stage(workspace: &Workspace) -> Result<()> {
+/// Blender opens every exported fixture and a body that the command dented.
+pub fn opened_by_blender(workspace: &Workspace) -> Result<()> {
+    let python = blender::module(workspace, blender::NEWEST)?;
+    let sh = &workspace.shell;
+    let _required = [sh.push_env("CRUMPLE_REQUIRE_BLENDER", "1"), sh.push_env("CRUMPLE_BLENDER_PYTHON", &python)];
+    let dented = exported(workspace)?;
+    cmd!(sh, "{python} tests/check_in_blender.py {dented}").ignore_stdout().run()?;
+    println!("Blender opens {}", dented.display());
+    Ok(())
+}
+
+/// The validator finds no error and no warning in the same files.
+pub fn valid(workspace: &Workspace) -> Result<()> {
+    install_validator(workspace)?;
+    let _required = workspace.shell.push_env("CRUMPLE_REQUIRE_VALIDATOR", "1");
+    let dented = exported(workspace)?;
+    validate(workspace, &[dented])
+}
+
+/// The validator finds no error and no warning in `files`.
+pub fn validate(workspace: &Workspace, files: &[PathBuf]) -> Result<()> {
+    install_validator(workspace)?;
+    cmd!(workspace.shell, "node tests/validate_gltf.js {files...}").quiet().run()?;
+    println!("the validator finds nothing in {} files", files.len());
+    Ok(())
+}
+
+/// Installs it where tests/validate_gltf.js looks for it.
+fn install_validator(workspace: &Workspace) -> Result<()> {
+    tools::npm(workspace, &workspace.path("target/validator"), &[VALIDATOR]).map(drop)
+}
+
+/// Runs the exporter's tests. Returns the path of a body that the command dented.
+fn exported(workspace: &Workspace) -> Result<PathBuf> {
+    workspace.tests(&["--test", "export_gltf"]).run()?;
+    let (sh, program, body) = (&workspace.shell, command::tested(workspace)?, "assets/demo/hood.glb");
+    let directory = workspace.target.join("dented");
+    empty_directory(&directory)?;
+    let (impacts, dented) = (directory.join("impacts.json"), directory.join("hood.glb"));
+    cmd!(sh, "{program} sample {body} --count 6 -o {impacts}").quiet().ignore_stdout().run()?;
+    cmd!(sh, "{program} apply {body} --impacts {impacts} -o {dented}").quiet().ignore_stdout().run()?;
+    Ok(dented)
+}
+
+/// What other programs write is read, and everything that no dent reached is kept.
+pub fn of_others(workspace: &Workspace) -> Result<()> {
     let exports = workspace.target.join("exports");
     export(workspace, &exports)?;
     for options in ["", "--join"] {
