@@ -5,8 +5,10 @@ pub mod csharp;
 pub mod python;
 
 use std::path::Path;
+use std::sync::LazyLock;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, ensure};
+use regex_lite::Regex;
 
 use crate::files;
 
@@ -116,156 +118,89 @@ fn prefix(name: &str, variants: &[Variant]) -> String {
     if variants.iter().all(|variant| variant.name.starts_with(&own)) { own } else { "CRUMPLE_".to_owned() }
 }
 
+/// Lines without a declaration.
+const IGNORED: &str = r#"^(|//.*|#ifdef __cplusplus|extern "C" \{|\}  // extern.*|#ifndef CRUMPLE_.*|#define CRUMPLE_(\w*_)?H|#include <std.*|#endif.*)$"#;
+
 /// Everything that the header declares, in header order.
 pub fn header(text: &str) -> Result<Vec<Item>> {
-    let mut lines = text.lines().enumerate();
-    let mut items = Vec::new();
-    let mut docs = Vec::new();
-    while let Some((number, line)) = lines.next() {
+    let ignored = Regex::new(IGNORED)?;
+    let (mut items, mut docs, mut lines) = (Vec::new(), Vec::new(), Vec::new());
+    for line in text.lines() {
         let trimmed = line.trim();
-        if let Some(text) = trimmed.strip_prefix("///") {
-            docs.push(text.trim().to_owned());
-            continue;
-        }
-        if ignored(trimmed) {
-            continue;
-        }
-        // A declaration ends with a semicolon; one with braces ends with the closing brace and a semicolon.
-        let mut declaration = vec![line];
-        if !trimmed.starts_with("#define") {
-            let braced = trimmed.ends_with('{');
-            while !declaration.last().is_some_and(|last| {
-                let last = last.trim();
-                last.ends_with(';') && (!braced || last.starts_with('}'))
-            }) {
-                let (_, next) = lines.next().with_context(|| format!("line {}: {trimmed} has no end", number + 1))?;
-                declaration.push(next);
+        if lines.is_empty() {
+            if let Some(text) = trimmed.strip_prefix("///") {
+                docs.push(text.trim().to_owned());
+                continue;
+            } else if ignored.is_match(trimmed) {
+                continue;
             }
         }
-        let (name, form) = item(&declaration).with_context(|| format!("line {}: {trimmed}", number + 1))?;
-        items.push(Item { docs: std::mem::take(&mut docs), name, form, text: declaration.join("\n") });
+        lines.push(line);
+        // A declaration ends with a semicolon; one with braces ends with the closing brace and a semicolon.
+        let ends = trimmed.ends_with(';') && (!lines[0].ends_with('{') || trimmed.starts_with('}'));
+        if ends || trimmed.starts_with("#define") {
+            let text = lines.join("\n");
+            let (name, form) = form(&text).with_context(|| format!("{:?} is not what this reads", lines[0]))?;
+            items.push(Item { docs: std::mem::take(&mut docs), name, form, text });
+            lines.clear();
+        }
     }
+    ensure!(lines.is_empty(), "{lines:?} has no end");
     Ok(items)
 }
 
-fn ignored(line: &str) -> bool {
-    const LINES: &[&str] = &["", "#ifdef __cplusplus", "extern \"C\" {"];
-    LINES.contains(&line)
-        || line.starts_with("//")
-        || line.starts_with("#ifndef CRUMPLE_")
-        || line.starts_with("#define CRUMPLE_") && line.ends_with("_H")
-        || line.starts_with("#include <std")
-        || line.starts_with("#endif")
-        || line.starts_with("}  // extern")
-}
-
-fn item(lines: &[&str]) -> Result<(String, Form)> {
-    let first = lines[0].trim();
-    if let Some(define) = first.strip_prefix("#define ") {
-        let (name, value) = define.split_once(' ').context("a #define without a value")?;
-        return Ok((name.to_owned(), Form::Define { value: value.trim().to_owned() }));
+fn form(text: &str) -> Result<(String, Form)> {
+    let code: Vec<&str> = text.lines().map(str::trim).filter(|line| !line.starts_with("///")).collect();
+    let code = code.join(" ");
+    let parts = |pattern| -> Result<Option<[&str; 3]>> {
+        let found = Regex::new(pattern)?.captures(&code);
+        Ok(found.map(|found| [1, 2, 3].map(|part| found.get(part).map_or("", |part| part.as_str()))))
+    };
+    if let Some([name, value, _]) = parts(r"^#define (\w+) +(.+)$")? {
+        return Ok((name.to_owned(), Form::Define { value: value.to_owned() }));
     }
-    let opens = |kind: &str| first.starts_with(&format!("typedef {kind} ")) && first.ends_with(" {");
-    if opens("enum") || opens("struct") {
-        let (last, body) = lines[1..].split_last().context("it has no body")?;
-        let name = last.trim().trim_start_matches('}').trim_end_matches(';').trim().to_owned();
-        let form = if opens("enum") {
-            Form::Enum { variants: variants(body)? }
-        } else {
-            Form::Struct { fields: fields(body)? }
-        };
-        return Ok((name, form));
+    if let Some([list, name, _]) = parts(r"^typedef enum \w+ \{ (.*?),? \} (\w+);$")? {
+        return Ok((name.to_owned(), Form::Enum { variants: list.split(',').map(variant).collect::<Result<_>>()? }));
     }
-    let whole = lines.iter().map(|line| line.trim()).collect::<Vec<_>>().join(" ");
-    let whole = whole.trim_end_matches(';');
-    if let Some(rest) = whole.strip_prefix("typedef struct ") {
-        let (name, again) = rest.split_once(' ').context("a struct without a name")?;
-        if name != again {
-            bail!("{name} and {again} should be one name");
-        }
+    if let Some([list, name, _]) = parts(r"^typedef struct \w+ \{ (.*); \} (\w+);$")? {
+        return Ok((name.to_owned(), Form::Struct { fields: list.split(';').map(variable).collect::<Result<_>>()? }));
+    }
+    if let Some([name, again, _]) = parts(r"^typedef struct (\w+) (\w+);$")? {
+        ensure!(name == again, "{name} and {again} should be one name");
         return Ok((name.to_owned(), Form::Opaque));
     }
-    let parameters = |list: &str| -> Result<Vec<Variable>> {
-        if list == "void" { Ok(Vec::new()) } else { list.split(',').map(variable).collect() }
-    };
-    if let Some(rest) = whole.strip_prefix("typedef ") {
-        let (before, rest) = rest.split_once("(*").context("neither enum, struct nor callback")?;
-        let (name, list) = rest.split_once(")(").context("a callback without parameters")?;
-        let result = variable(&format!("{before} result"))?.kind;
-        let list = list.strip_suffix(')').context("a callback without an end")?;
+    if let Some([result, name, list]) = parts(r"^typedef (.+)\(\*(\w+)\)\((.+)\);$")? {
+        let result = variable(&format!("{result} result"))?.kind;
         return Ok((name.to_owned(), Form::Callback { result, parameters: parameters(list)? }));
     }
-    let (before, list) = whole.split_once('(').context("not a declaration that this reads")?;
-    let Variable { name, kind: result } = variable(before)?;
-    let list = list.strip_suffix(')').context("a function without an end")?;
+    let [function, list, _] = parts(r"^(.+)\((.+)\);$")?.context("no declaration")?;
+    let Variable { name, kind: result } = variable(function)?;
     Ok((name, Form::Function { result, parameters: parameters(list)? }))
 }
 
-/// The lines of a body without comments.
-fn code<'a>(lines: &'a [&str]) -> impl Iterator<Item = &'a str> {
-    lines.iter().map(|line| line.trim()).filter(|line| !line.starts_with("///"))
+fn parameters(list: &str) -> Result<Vec<Variable>> {
+    if list == "void" { Ok(Vec::new()) } else { list.split(',').map(variable).collect() }
 }
 
-fn variants(lines: &[&str]) -> Result<Vec<Variant>> {
-    let variant = |line: &str| {
-        let (name, value) =
-            line.trim_end_matches(',').split_once(" = ").with_context(|| format!("{line:?} has no value"))?;
-        Ok(Variant { name: name.to_owned(), value: value.to_owned() })
-    };
-    code(lines).map(variant).collect()
+fn variant(text: &str) -> Result<Variant> {
+    let (name, value) = text.trim().split_once(" = ").with_context(|| format!("{text:?} has no value"))?;
+    Ok(Variant { name: name.to_owned(), value: value.to_owned() })
 }
 
-fn fields(lines: &[&str]) -> Result<Vec<Variable>> {
-    let field = |line: &str| variable(line.strip_suffix(';').with_context(|| format!("{line:?} has no semicolon"))?);
-    code(lines).map(field).collect()
-}
-
-/// `const T *name[4]`, without comments.
+/// `const T *name[4]`.
 fn variable(text: &str) -> Result<Variable> {
-    let (text, array) = match text.trim().strip_suffix(']').and_then(|text| text.split_once('[')) {
-        Some((text, length)) => (text, Some(length.parse().with_context(|| format!("{text}[{length}]"))?)),
-        None => (text.trim(), None),
-    };
-    let spaced = text.replace('*', " * ");
-    let words: Vec<&str> = spaced.split_whitespace().filter(|word| *word != "const").collect();
-    let plain = |word: &str| word.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_');
-    match words.as_slice() {
-        [base, stars @ .., name] if stars.iter().all(|word| *word == "*") && plain(base) && plain(name) => {
-            Ok(Variable {
-                name: (*name).to_owned(),
-                kind: Type { base: (*base).to_owned(), pointers: stars.len(), array },
-            })
-        }
-        _ => bail!("{text:?} is no type and name that this reads"),
-    }
+    static FORM: LazyLock<Regex> = LazyLock::new(|| {
+        Regex::new(r"^(?:const )?(\w+)((?: |\*|const)*[ *])(\w+)(?:\[(\d+)\])?$").expect("a regular expression")
+    });
+    let found = FORM.captures(text.trim()).with_context(|| format!("{text:?} is no type and name that this reads"))?;
+    let array = found.get(4).map(|length| length.as_str().parse()).transpose()?;
+    let kind = Type { base: found[1].to_owned(), pointers: found[2].matches('*').count(), array };
+    Ok(Variable { name: found[3].to_owned(), kind })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn forms_of_c() -> Result<()> {
-        let items = header(concat!(
-            "// Words.\n#define CRUMPLE_H\n/// One.\n///\n/// Two.\n#define CRUMPLE_A 3\n\ntypedef enum CrumpleE {\n    /// No.\n    CRUMPLE_E_NO = 0,\n",
-            "} CrumpleE;\ntypedef struct CrumpleO CrumpleO;\ntypedef void (*CrumpleV)(void);\ntypedef void *(*CrumpleC)(size_t a,\n",
-            "    const char *const *b);\ntypedef struct CrumpleS {\n    /// In m.\n    float m[16];\n    const void *data;\n} CrumpleS;\n",
-            "/// Does.\nuint32_t crumple_f(CrumpleO *o,\n    CrumpleO **out);\nconst char *crumple_g(void);\n"
-        ))?;
-        let names: Vec<&str> = items.iter().map(|item| item.name.as_str()).collect();
-        assert_eq!(
-            names,
-            ["CRUMPLE_A", "CrumpleE", "CrumpleO", "CrumpleV", "CrumpleC", "CrumpleS", "crumple_f", "crumple_g"]
-        );
-        assert_eq!(items[0].docs, ["One.", "", "Two."]);
-        let Form::Callback { result, parameters } = &items[4].form else { bail!("{:?}", items[4]) };
-        assert_eq!((result.pointers, parameters[1].kind.pointers, parameters[1].name.as_str()), (1, 2, "b"));
-        let Form::Struct { fields } = &items[5].form else { bail!("{:?}", items[5]) };
-        assert_eq!((fields[0].kind.array, fields[1].kind.pointers), (Some(16), 1));
-        let Form::Function { parameters, .. } = &items[6].form else { bail!("{:?}", items[6]) };
-        assert_eq!(parameters[1].kind, Type { base: "CrumpleO".into(), pointers: 2, array: None });
-        Ok(())
-    }
 
     #[test]
     fn what_is_not_understood_is_an_error() {

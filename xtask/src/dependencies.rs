@@ -55,9 +55,9 @@ fn row(package: &Linked, slim: bool) -> Result<String> {
 
 /// Lines of code in which the keyword stands. Comments at the end of a line do not count, and neither does `unsafe_code`.
 fn unsafe_lines(text: &str) -> usize {
-    let code = |line: &str| line.split("//").next().unwrap_or_default().to_owned();
-    let word = |c: char| !c.is_alphanumeric() && c != '_';
-    text.lines().filter(|line| code(line).split(word).any(|word| word == "unsafe")).count()
+    let word = |letter: char| !letter.is_alphanumeric() && letter != '_';
+    let code = text.lines().filter_map(|line| line.split("//").next());
+    code.filter(|code| code.split(word).any(|word| word == "unsafe")).count()
 }
 
 /// Whether one of the choices in an SPDX expression asks only for these licenses.

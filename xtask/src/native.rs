@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Result, ensure};
+use regex_lite::Regex;
 use xshell::cmd;
 
 use crate::abi;
@@ -177,12 +178,10 @@ fn vulkan_for_windows(workspace: &Workspace) -> Result<(PathBuf, PathBuf)> {
     let (include, library) = (folder.join("include"), folder.join("libvulkan-1.a"));
     empty_directory(&folder)?;
     let found = cmd!(sh, "pkg-config --variable=includedir vulkan").quiet().read()?;
-    let mut names = Vec::new();
+    let (mut names, declared) = (Vec::new(), Regex::new(r"VKAPI_CALL +(vk\w+)\(")?);
     for part in ["vulkan", "vk_video"] {
         for file in files(&Path::new(&found).join(part))? {
-            let text = read(&file)?;
-            let declared = text.split("VKAPI_CALL ").skip(1).filter_map(|rest| rest.split_once('('));
-            names.extend(declared.map(|(name, _)| name.trim().to_owned()).filter(|name| name.starts_with("vk")));
+            names.extend(declared.captures_iter(&read(&file)?).map(|found| found[1].to_owned()));
             copy_into(&file, &include.join(part))?;
         }
     }

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use anyhow::{Context, Result};
+use regex_lite::{Captures, Regex};
 
 use crate::declarations::{self, HEADERS, Item};
 use crate::files::read;
@@ -26,29 +27,21 @@ pub fn page(include: &Path) -> Result<String> {
         page += &format!("\n## {file}\n\n```text\n{}\n```\n", opening.join("\n").trim());
         for Item { docs, name, text, .. } in &declarations::header(&declarations::joined(&[header]))? {
             page += &format!("\n### {name}\n\n```c\n{text}\n```\n\n");
-            docs.iter().for_each(|line| page.push_str(&(linked(line, &known) + "\n")));
+            page += &linked(&(docs.join("\n") + "\n"), &known)?;
         }
     }
     Ok(page)
 }
 
 /// Names of functions and constants as code, with a link where the page has them.
-fn linked(line: &str, known: &BTreeSet<&str>) -> String {
-    let part = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
-    let mut out = String::new();
-    let mut rest = line;
-    while let Some(start) = rest.find(part) {
-        let (before, word) = rest.split_at(start);
-        let (name, after) = word.split_at(word.find(|letter| !part(letter)).unwrap_or(word.len()));
-        out += before;
-        out += &match known.contains(name) {
-            true => format!("[`{name}`](#{})", name.to_ascii_lowercase()),
-            false if name.starts_with("CRUMPLE_") => format!("`{name}`"),
-            false => name.to_owned(),
-        };
-        rest = if known.contains(name) { after.strip_prefix("()").unwrap_or(after) } else { after };
-    }
-    out + rest
+fn linked(line: &str, known: &BTreeSet<&str>) -> Result<String> {
+    let word = Regex::new(r"(\w+)(\(\))?")?;
+    let link = |found: &Captures<'_>| match &found[1] {
+        name if known.contains(name) => format!("[`{name}`](#{})", name.to_ascii_lowercase()),
+        name if name.starts_with("CRUMPLE_") => found[0].replacen(name, &format!("`{name}`"), 1),
+        _ => found[0].to_owned(),
+    };
+    Ok(word.replace_all(line, link).into_owned())
 }
 
 #[cfg(test)]
@@ -59,7 +52,7 @@ mod tests {
     fn names_become_links() {
         let known = BTreeSet::from(["crumple_context_deform", "CrumpleMark"]);
         assert_eq!(
-            linked("See crumple_context_deform(): a CrumpleMark or CRUMPLE_ERROR_IO.", &known),
+            linked("See crumple_context_deform(): a CrumpleMark or CRUMPLE_ERROR_IO.", &known).unwrap(),
             "See [`crumple_context_deform`](#crumple_context_deform): a [`CrumpleMark`](#crumplemark) or `CRUMPLE_ERROR_IO`."
         );
     }

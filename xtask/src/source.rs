@@ -3,10 +3,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Result, ensure};
+use anyhow::Result;
 use xshell::cmd;
 
-use crate::files::{bytes, copy_into, empty_directory, files};
+use crate::files::{bytes, copy_into, empty_directory, files, same_files};
 use crate::native;
 use crate::package::manifest::sha256;
 use crate::python;
@@ -90,19 +90,5 @@ pub fn crates_io(workspace: &Workspace) -> Result<()> {
     let text = fs::read_to_string(&manifest)? + "\n[workspace]\n";
     fs::write(&manifest, text)?;
     cmd!(sh, "cargo check --locked --manifest-path {manifest} --target-dir {target}").run()?;
-    Ok(())
-}
-
-/// Two folders hold the same files with the same bytes.
-fn same_files(one: &Path, other: &Path) -> Result<()> {
-    let relative = |folder: &Path| -> Result<Vec<PathBuf>> {
-        files(folder)?.iter().map(|file| Ok(file.strip_prefix(folder)?.to_owned())).collect()
-    };
-    let (names, others) = (relative(one)?, relative(other)?);
-    ensure!(names == others, "{} holds {names:?}, {} holds {others:?}", one.display(), other.display());
-    for name in names {
-        let (one, other) = (one.join(&name), other.join(&name));
-        ensure!(bytes(&one)? == bytes(&other)?, "{} and {} differ", one.display(), other.display());
-    }
     Ok(())
 }

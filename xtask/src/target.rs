@@ -2,9 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::Result;
+use regex_lite::Regex;
 use xshell::{Cmd, Shell, cmd};
 
+use crate::files::read;
 use crate::workspace::Workspace;
 
 pub const WINDOWS: &str = "x86_64-pc-windows-gnu";
@@ -111,12 +113,14 @@ impl Target {
         if self.has_standard_library(workspace) {
             return Ok(Vec::new());
         }
-        let lock = Path::new(DEBIAN_SOURCE).join("Cargo.lock");
-        let text = std::fs::read_to_string(&lock).with_context(|| format!("reading {}", lock.display()))?;
-        let value = |line: &str, key: &str| Some(line.strip_prefix(key)?.trim_matches(['"', ' ', '=']).to_owned());
-        let lines: Vec<&str> = text.lines().collect();
-        let package = |pair: &[&str]| Some(format!("{}-{}", value(pair[0], "name")?, value(pair[1], "version")?));
-        Ok(lines.windows(2).filter_map(package).collect())
+        let lock = read(&Path::new(DEBIAN_SOURCE).join("Cargo.lock"))?;
+        let package = Regex::new("name = \"(.+)\"\nversion = \"(.+)\"")?;
+        Ok(package.captures_iter(&lock).map(|found| format!("{}-{}", &found[1], &found[2])).collect())
+    }
+
+    /// A variable by which Cargo is told something about this system: `LINKER`, `RUNNER`.
+    pub fn variable(&self, what: &str) -> String {
+        format!("CARGO_TARGET_{}_{what}", self.triple.to_uppercase().replace('-', "_"))
     }
 
     /// The system libraries that Rust's standard library links there.
@@ -133,7 +137,15 @@ impl Target {
         if !self.cross {
             return workspace.cargo_anywhere(arguments);
         }
-        let flags = workspace.anywhere()?;
+        let mut flags = workspace.anywhere()?;
+        // A warning here is one that the lints of this machine's system do not see.
+        flags.push("--deny=warnings".to_owned());
+        let mut linker = self.gnu("gcc");
+        if self.triple == WEB {
+            // Every browser of the last years has vectors.
+            flags.push("-Ctarget-feature=+simd128".to_owned());
+            linker = "wasm-ld".to_owned();
+        }
         let (first, rest) = arguments.split_first().unwrap_or((&"", &[]));
         let triple = &self.triple;
         let cargo = if self.has_standard_library(workspace) {
@@ -145,17 +157,9 @@ impl Target {
             let cargo = cmd!(workspace.shell, "{DEBIAN_CARGO} {first} {source} --target {triple}");
             cargo.env("RUSTC", DEBIAN_RUSTC).env("RUSTC_BOOTSTRAP", "1")
         };
-        let linker = format!("CARGO_TARGET_{}_LINKER", triple.to_uppercase().replace('-', "_"));
-        let (program, flags) = match triple.as_str() {
-            // Every browser of the last years has vectors.
-            WEB => ("wasm-ld".to_owned(), [flags, vec!["-Ctarget-feature=+simd128".to_owned()]].concat()),
-            _ => (self.gnu("gcc"), flags),
-        };
-        // A warning here is one that the lints of this machine's system do not see.
-        let flags = [flags, vec!["--deny=warnings".to_owned()]].concat();
         // Builds for this system do not wait for it.
-        let cargo = cargo.env("CARGO_TARGET_DIR", cross(workspace));
-        Ok(cargo.env(linker, program).env("CARGO_ENCODED_RUSTFLAGS", flags.join("\u{1f}")).args(rest))
+        let cargo = cargo.env("CARGO_TARGET_DIR", cross(workspace)).env(self.variable("LINKER"), linker);
+        Ok(cargo.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\u{1f}")).args(rest))
     }
 }
 
@@ -169,22 +173,5 @@ pub fn launch<'a>(sh: &'a Shell, runner: &[&str], program: &Path) -> Cmd<'a> {
     match runner.split_first() {
         Some((first, rest)) => cmd!(sh, "{first} {rest...} {program}").quiet(),
         None => cmd!(sh, "{program}").quiet(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn files_are_named_as_each_system_names_them() {
-        let files = |triple: &str| {
-            let target = Target::other(triple);
-            (target.shared(), target.static_library(), target.program("crumple"))
-        };
-        assert_eq!(files(WINDOWS), ("crumple.dll", "libcrumple.a", "crumple.exe".to_owned()));
-        assert_eq!(files("x86_64-pc-windows-msvc"), ("crumple.dll", "crumple.lib", "crumple.exe".to_owned()));
-        assert_eq!(files(AARCH64), ("libcrumple.so", "libcrumple.a", "crumple".to_owned()));
-        assert_eq!(files("aarch64-apple-darwin"), ("libcrumple.dylib", "libcrumple.a", "crumple".to_owned()));
     }
 }

@@ -6,6 +6,7 @@ use anyhow::{Result, ensure};
 
 use crate::files::{empty_directory, files, read};
 use crate::native::{self, Build};
+use crate::target::Target;
 use crate::workspace::{Workspace, side_by_side};
 
 /// Rooms of src that have unsafe code, and use no driver. src/lib.rs denies it to the others.
@@ -36,7 +37,7 @@ pub fn c(workspace: &Workspace) -> Result<()> {
 pub fn rust(workspace: &Workspace) -> Result<()> {
     // Rust's own test runner keeps pointers into the middle of blocks, which valgrind calls "possibly lost".
     let run = Run::new(workspace, "rust", "definite")?;
-    let runner = format!("CARGO_TARGET_{}_RUNNER", workspace.rustc("host")?.to_uppercase().replace('-', "_"));
+    let runner = Target::host(workspace)?.variable("RUNNER");
     let tests = |programs: &[&str], names: &[&str]| {
         let cargo = workspace.tests(programs).env(&runner, run.command.join(" ")).env("PROPTEST_CASES", "2");
         (programs.join(" "), cargo.args(["--"]).args(names).into())

@@ -112,29 +112,3 @@ impl Writer<'_> {
         Ok((0..pointers).fold(known.to_owned(), |inner, _| format!("c.POINTER({inner})")))
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn forms_of_python() -> Result<()> {
-        let text = module(&crate::declarations::header(concat!(
-            "#define CRUMPLE_A 3\n/// Either.\ntypedef enum CrumpleSide {\n    CRUMPLE_SIDE_LEFT = 0,\n} CrumpleSide;\n",
-            "typedef struct CrumpleO CrumpleO;\ntypedef void *(*CrumpleGet)(size_t size, void *user);\n",
-            "typedef struct CrumpleS {\n    float m[16];\n    const void *data;\n    CrumpleSide side;\n    CrumpleGet get;\n} CrumpleS;\n",
-            "CrumpleS crumple_f(CrumpleO *o, CrumpleO **out, const CrumpleS *s, const char *const *names);\nvoid crumple_g(void);\n"
-        ))?)?;
-        for part in [
-            "\nA = 3\n",
-            "class CrumpleSide(IntEnum):\n    \"\"\"Either.\"\"\"\n\n    LEFT = 0\n",
-            "CrumpleGet = c.CFUNCTYPE(c.c_void_p, c.c_size_t, c.c_void_p)\n",
-            "(\"m\", c.c_float * 16),\n        (\"data\", c.c_void_p),\n        (\"side\", c.c_uint32),\n        (\"get\", CrumpleGet),\n",
-            "\"crumple_f\": (CrumpleS, [c.c_void_p, c.POINTER(c.c_void_p), c.POINTER(CrumpleS), c.POINTER(c.c_char_p)]),",
-            "\"crumple_g\": (None, []),",
-        ] {
-            assert!(text.contains(part), "{part} is not in {text}");
-        }
-        Ok(())
-    }
-}
