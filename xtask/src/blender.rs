@@ -8,7 +8,7 @@ use clap::Args;
 use xshell::cmd;
 
 use crate::debian;
-use crate::files::{copy_into, empty_directory, files_of, name, read, write};
+use crate::files::{copy_into, empty_directory, name, read, write};
 use crate::package::{archive, markdown};
 use crate::python;
 use crate::tools::{PYTHON311, XVFB};
@@ -118,21 +118,15 @@ fn window(workspace: &Workspace, program: &Path, folder: &Path, archive: &Path) 
 
 /// Packs the extension with the wheel into `out`.
 fn pack(workspace: &Workspace, wheel: &Path, out: &Path) -> Result<PathBuf> {
-    let source = workspace.path(BINDING).join("extension");
     // The archive has the folder that Blender gives the extension.
     let stage = workspace.target.join("package/blender/crumple");
     empty_directory(&stage)?;
-    for file in files_of(&source, &["py"])? {
-        copy_into(&file, &stage)?;
-    }
-    for license in ["LICENSE-MIT", "LICENSE-APACHE"] {
-        copy_into(&workspace.path(license), &stage)?;
-    }
-    let page = read(&workspace.path(BINDING).join("README.md"))?;
-    write(&stage.join("README.md"), markdown::without_dead_links(&page, &stage))?;
+    workspace.copy_sources(&format!("{BINDING}/extension"), &["."], &stage)?;
+    workspace.copy_licenses(&stage)?;
+    markdown::copy_page(&workspace.path(BINDING).join("README.md"), &stage)?;
     let name = name(wheel)?;
     copy_into(wheel, &stage.join("wheels"))?;
-    let manifest = read(&source.join(MANIFEST))?;
+    let manifest = read(&stage.join(MANIFEST))?;
     let (before, after) = manifest.split_once("\n[permissions]").context("the manifest lacks [permissions]")?;
     let system = system(&name).with_context(|| format!("Blender has no name for the system of {name}"))?;
     let lines = format!("platforms = [\"{system}\"]\nwheels = [\"./wheels/{name}\"]\n");

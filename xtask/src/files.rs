@@ -82,6 +82,11 @@ pub fn copy_into(file: &Path, folder: &Path) -> Result<()> {
     copy(file, &folder.join(name(file)?))
 }
 
+/// Copies the files of a folder into another, with the folders between.
+pub fn copy_tree(from: &Path, to: &Path) -> Result<()> {
+    files(from)?.iter().try_for_each(|file| copy(file, &to.join(within(from, file)?)))
+}
+
 /// Two folders hold the same files with the same bytes. Returns how many.
 pub fn same_files(one: &Path, other: &Path) -> Result<usize> {
     let relative = |folder: &Path| files(folder)?.iter().map(|file| within(folder, file)).collect::<Result<Vec<_>>>();

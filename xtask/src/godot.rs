@@ -13,7 +13,7 @@ use xshell::{Cmd, PushEnv, cmd};
 
 use crate::debian;
 use crate::demo;
-use crate::files::{copy, copy_into, empty_directory, files, read, write};
+use crate::files::{copy, copy_into, copy_tree, empty_directory, read, write};
 use crate::package::{archive, licenses, markdown, nothing_of_this_machine};
 use crate::stage::all_passed;
 use crate::target::{self, Target};
@@ -23,6 +23,9 @@ use crate::wine::Display;
 use crate::workspace::Workspace;
 
 const BINDING: &str = "bindings/godot";
+const PROJECT: &str = "bindings/godot/project";
+/// The addon's folder in a project.
+const ADDON: &str = "addons/crumple";
 /// Names the program of a Godot of version 4.6 or later.
 const ENGINE: &str = "CRUMPLE_GODOT";
 const PACKAGES: &[&str] = &["godot", "mesa-vulkan-drivers"];
@@ -56,9 +59,6 @@ pub struct Options {
     #[arg(long)]
     demo: bool,
 }
-
-/// The addon's folder in a project.
-const ADDON: &str = "addons/crumple";
 
 pub fn run(workspace: &Workspace) -> Result<()> {
     let engine = engine(workspace)?;
@@ -98,7 +98,7 @@ pub fn build(workspace: &Workspace) -> Result<()> {
 }
 
 fn cargo(workspace: &Workspace, what: &[&str]) -> Result<()> {
-    let (manifest, target) = (workspace.path(BINDING).join("Cargo.toml"), workspace.target.join("godot"));
+    let (manifest, target) = (manifest(workspace), workspace.target.join("godot"));
     let cargo = cmd!(workspace.shell, "cargo {what...} --locked --manifest-path {manifest} --target-dir {target}");
     // The binding's own profile has no debug information: its bindings of the whole engine are large.
     Ok(cargo.env_remove("CARGO_PROFILE_DEV_DEBUG").run()?)
@@ -111,15 +111,9 @@ pub fn engine(workspace: &Workspace) -> Result<PathBuf> {
 
 /// Copies the example project with the extension, the hood and the car. Returns the copy's folder.
 fn lay_out(workspace: &Workspace, library: &Path) -> Result<PathBuf> {
-    let (from, project) = (workspace.path(BINDING).join("project"), workspace.target.join("godot/project"));
+    let project = workspace.target.join("godot/project");
     empty_directory(&project)?;
-    for file in files(&from)? {
-        let name = file.strip_prefix(&from)?;
-        // What the editor or a build left there is not part of the project.
-        if !name.starts_with(".godot") && !name.starts_with("addons/crumple/bin") && !name.starts_with("assets") {
-            copy(&file, &project.join(name))?;
-        }
-    }
+    workspace.copy_sources(PROJECT, &["."], &project)?;
     copy(library, &project.join("addons/crumple/bin/libcrumple_godot.so"))?;
     copy(&workspace.path("assets/demo/hood.glb"), &project.join("assets/hood.glb"))?;
     lay_out_generated(workspace, &project)?;
@@ -173,11 +167,10 @@ impl<'a> Tests<'a> {
     fn truck_town(&self, demo: &Path) -> Result<()> {
         let project = self.project.with_file_name("truck_town");
         empty_directory(&project)?;
-        let ours = ["addons", "tests/truck_town.gd", ".godot/extension_list.cfg"].map(|name| self.project.join(name));
-        let own = files(demo)?.into_iter().map(|file| (demo, file));
-        let added = files(&ours[0])?.into_iter().chain(ours[1..].iter().cloned()).map(|file| (self.project, file));
-        for (from, file) in own.chain(added) {
-            copy(&file, &project.join(file.strip_prefix(from)?))?;
+        copy_tree(demo, &project)?;
+        copy_tree(&self.project.join("addons"), &project.join("addons"))?;
+        for name in ["tests/truck_town.gd", ".godot/extension_list.cfg"] {
+            copy(&self.project.join(name), &project.join(name))?;
         }
         let settings = "[autoload]\n\nDentVehicles=\"*res://addons/crumple/dent_vehicles.gd\"\n";
         let tests = Tests { project: &project, ..*self };
@@ -249,23 +242,13 @@ pub fn pack(workspace: &Workspace, options: &Options) -> Result<()> {
     let stage = workspace.target.join("package/godot");
     empty_directory(&stage)?;
     let addon = stage.join(ADDON);
-    let source = workspace.path(BINDING).join("project").join(ADDON);
-    let built = source.join("bin");
-    for file in files(&source)?.iter().filter(|file| !file.starts_with(&built)) {
-        // The editor writes these beside files; each project has its own.
-        if !["import", "uid"].iter().any(|own| file.extension().is_some_and(|extension| extension == *own)) {
-            copy(file, &addon.join(file.strip_prefix(&source)?))?;
-        }
-    }
+    workspace.copy_sources(PROJECT, &[ADDON], &stage)?;
     for target in &targets {
         println!("Building for {}; the bindings of the whole engine take minutes.", target.triple);
         copy_into(&release(workspace, target)?, &addon.join("bin"))?;
     }
-    let page = read(&workspace.path(BINDING).join("README.md"))?;
-    write(&addon.join("README.md"), markdown::without_dead_links(&page, &addon))?;
-    for license in ["LICENSE-MIT", "LICENSE-APACHE"] {
-        copy_into(&workspace.path(license), &addon)?;
-    }
+    markdown::copy_page(&workspace.path(BINDING).join("README.md"), &addon)?;
+    workspace.copy_licenses(&addon)?;
     let linked = licenses::linked_of(workspace, &manifest(workspace), &targets)?;
     licenses::write_all(workspace, &linked, &addon)?;
 
@@ -274,14 +257,10 @@ pub fn pack(workspace: &Workspace, options: &Options) -> Result<()> {
     let archive = out.join(format!("crumple-godot-{}.zip", workspace.version));
     archive::zip(&stage.join("addons"), &archive)?;
     if options.demo {
-        let (from, project) = (workspace.path(BINDING).join("project"), out.join("demo"));
+        let project = out.join("demo");
         empty_directory(&project)?;
-        copy_into(&from.join("project.godot"), &project)?;
-        for (folder, within) in [(&from, "demo"), (&stage, "addons")] {
-            for file in files(&folder.join(within))? {
-                copy(&file, &project.join(file.strip_prefix(folder)?))?;
-            }
-        }
+        workspace.copy_sources(PROJECT, &["project.godot", "demo"], &project)?;
+        copy_tree(&stage, &project)?;
         lay_out_generated(workspace, &project)?;
         println!("{0} is the demo: godot --path {0}", project.display());
     }
@@ -295,11 +274,9 @@ fn manifest(workspace: &Workspace) -> PathBuf {
 
 /// The library of a release build, without paths of this machine.
 fn release(workspace: &Workspace, target: &Target) -> Result<PathBuf> {
-    let (manifest, directory) = (manifest(workspace), workspace.target.join("godot"));
-    let text = |path: &Path| path.display().to_string();
-    let (manifest, directory_text) = (text(&manifest), text(&directory));
-    let what = ["build", "--release", "--locked", "--manifest-path", &manifest, "--target-dir", &directory_text];
-    target.cargo(workspace, &what)?.run()?;
+    let directory = workspace.target.join("godot");
+    let cargo = target.cargo(workspace, &["build", "--release", "--locked"])?;
+    cargo.arg("--manifest-path").arg(manifest(workspace)).arg("--target-dir").arg(&directory).run()?;
     let name = if target.is_windows() { "crumple_godot.dll" } else { "libcrumple_godot.so" };
     let library = if target.cross { directory.join(&target.triple) } else { directory }.join("release").join(name);
     nothing_of_this_machine(workspace, std::slice::from_ref(&library))?;

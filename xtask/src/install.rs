@@ -130,9 +130,7 @@ pub fn lay_out(workspace: &Workspace, built: &Built, prefix: &Path) -> Result<()
     for header in HEADERS.iter().chain(&["crumple.hpp"]) {
         copy_into(&workspace.path(INCLUDE).join(header), &prefix.join("include"))?;
     }
-    for license in ["LICENSE-MIT", "LICENSE-APACHE"] {
-        copy_into(&workspace.path(license), &prefix.join("share/licenses/crumple"))?;
-    }
+    workspace.copy_licenses(&prefix.join("share/licenses/crumple"))?;
     let needs = static_needs(workspace, &built.target)?;
     let libraries: Vec<&str> = needs.iter().map(|flag| flag.strip_prefix("-l").unwrap_or(flag)).collect();
     let values = [

@@ -15,7 +15,6 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
-use xshell::cmd;
 
 use crate::command;
 use crate::files::{copy_into, empty_directory, files};
@@ -26,7 +25,7 @@ use crate::tools;
 use crate::wine::Wine;
 use crate::workspace::Workspace;
 
-pub use check::{stage, windows};
+pub use check::{CLIENT, stage, windows};
 pub use paths::nothing_of_this_machine;
 
 #[derive(Args)]
@@ -177,14 +176,6 @@ fn time(workspace: &Workspace) -> Result<u64> {
             .parse()
             .with_context(|| format!("SOURCE_DATE_EPOCH is {seconds:?}; it must be seconds since 1970"));
     }
-    let seconds = git(workspace, &["log", "-1", "--format=%ct"])?;
+    let seconds = workspace.git(&["log", "-1", "--format=%ct"])?;
     Ok(seconds.trim().parse()?)
-}
-
-/// The output of git. Archives hold only files that git tracks.
-fn git(workspace: &Workspace, arguments: &[&str]) -> Result<String> {
-    // Another user may own the checkout.
-    let trusted = "safe.directory=*";
-    let printed = cmd!(workspace.shell, "git -c {trusted} {arguments...}").quiet().read();
-    printed.context("archives need a git checkout: they hold the files that git tracks")
 }

@@ -69,15 +69,10 @@ pub fn build(workspace: &Workspace, handed_out: bool, out: &Path) -> Result<Path
     // Laid out like an archive.
     let folder = package::full(workspace, handed_out)?;
     let python = tested_environment(workspace)?;
-    let (source, package) = (workspace.target.join("python/source"), workspace.path(PACKAGE));
+    let source = workspace.target.join("python/source");
     empty_directory(&source)?;
     empty_directory(out)?;
-    for part in SOURCES.iter().map(|part| package.join(part)) {
-        let within = if part.is_dir() { files(&part)? } else { vec![part] };
-        for file in within.iter().filter(|file| !file.to_string_lossy().contains("__pycache__")) {
-            copy(file, &source.join(file.strip_prefix(&package)?))?;
-        }
-    }
+    workspace.copy_sources(PACKAGE, SOURCES, &source)?;
     for license in LICENSES {
         copy_into(&folder.join(license), &source)?;
     }

@@ -6,15 +6,14 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use xshell::cmd;
 
-use crate::files::{bytes, copy_into, empty_directory, files, same_files};
+use crate::files::{bytes, copy_tree, empty_directory, read, same_files, write};
 use crate::native;
+use crate::package::CLIENT;
 use crate::package::manifest::sha256;
 use crate::python;
 use crate::tools::PYTHON3;
 use crate::workspace::Workspace;
 
-/// A project of a user.
-const CLIENT: &str = "xtask/package/client";
 /// Conan, pinned.
 const REQUIREMENTS: &str = "xtask/package/requirements.txt";
 
@@ -54,9 +53,7 @@ pub fn conan(workspace: &Workspace) -> Result<()> {
     empty_directory(&home)?;
     // Conan builds the program where its source is.
     let client = home.join("client");
-    for file in files(&workspace.path(CLIENT))? {
-        copy_into(&file, &client)?;
-    }
+    copy_tree(&workspace.path(CLIENT), &client)?;
     let _home = sh.push_env("CONAN_HOME", &home);
     // Cargo builds in a folder below, and finds the dependencies that the installer built. The library alone is another one, which is not
     // optimised: that would take a minute.
@@ -87,8 +84,7 @@ pub fn crates_io(workspace: &Workspace) -> Result<()> {
     empty_directory(&to)?;
     cmd!(sh, "tar -xzf {file} -C {to}").quiet().run()?;
     // It is no package of the repository in whose target folder it lies.
-    let text = fs::read_to_string(&manifest)? + "\n[workspace]\n";
-    fs::write(&manifest, text)?;
+    write(&manifest, read(&manifest)? + "\n[workspace]\n")?;
     cmd!(sh, "cargo check --locked --manifest-path {manifest} --target-dir {target}").run()?;
     Ok(())
 }

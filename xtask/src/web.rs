@@ -8,7 +8,7 @@ use xshell::cmd;
 
 use crate::command;
 use crate::demo;
-use crate::files::{copy, copy_into, empty_directory, files};
+use crate::files::{copy, copy_tree, empty_directory};
 use crate::install::Profile;
 use crate::package::licenses;
 use crate::target::{self, Target};
@@ -90,20 +90,14 @@ pub fn build(workspace: &Workspace) -> Result<()> {
 fn lay_out(workspace: &Workspace, modules: &Path, out: &Path) -> Result<()> {
     empty_directory(out)?;
     let package = out.join("crumple");
-    for file in INTERFACE {
-        copy_into(&workspace.path(PACKAGE).join(file), &package)?;
-    }
-    for license in ["LICENSE-MIT", "LICENSE-APACHE"] {
-        copy_into(&workspace.path(license), &package)?;
-    }
+    workspace.copy_sources(PACKAGE, INTERFACE, &package)?;
+    workspace.copy_licenses(&package)?;
     build(workspace)?;
     let (web, manifest) = (Target::other(target::WEB), manifest(workspace));
     let module = web.directory(workspace, Profile::Release.directory()).join("crumple_web.wasm");
     copy(&module, &package.join("crumple.wasm"))?;
     licenses::write_all(workspace, &licenses::linked_of(workspace, &manifest, &[web])?, &package)?;
-    for file in files(&workspace.path(PACKAGE).join("demo"))? {
-        copy_into(&file, out)?;
-    }
+    copy_tree(&workspace.path(PACKAGE).join("demo"), out)?;
     for file in DRAWN_WITH {
         copy(&modules.join("three").join(file), &out.join("three").join(file))?;
     }

@@ -9,6 +9,8 @@ use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 use xshell::{Shell, cmd};
 
+use crate::files::{copy, copy_into};
+
 /// The packages and features of every test build with `--all`. Cargo builds another library for each other choice.
 const ALL_TESTED: &[&str] = &[
     "--package",
@@ -99,6 +101,25 @@ impl Workspace {
         let told = self.cargo(&["metadata", "--format-version", "1"]).args(arguments).quiet().read()?;
         let mut told: Value = serde_json::from_str(&told).context("reading what cargo metadata says")?;
         Ok(serde_json::from_value(told["packages"].take())?)
+    }
+
+    /// The output of git.
+    pub fn git(&self, arguments: &[&str]) -> Result<String> {
+        // Another user may own the checkout.
+        let trusted = "safe.directory=*";
+        let printed = cmd!(self.shell, "git -c {trusted} {arguments...}").quiet().read();
+        printed.context("this needs a git checkout: it takes what git tracks")
+    }
+
+    /// Copies those files of `parts` of a folder into another that git does not ignore.
+    pub fn copy_sources(&self, folder: &str, parts: &[&str], to: &Path) -> Result<()> {
+        let list = ["-C", folder, "ls-files", "--cached", "--others", "--exclude-standard", "--"];
+        let listed = self.git(&[&list[..], parts].concat())?;
+        listed.lines().try_for_each(|name| copy(&self.path(folder).join(name), &to.join(name)))
+    }
+
+    pub fn copy_licenses(&self, to: &Path) -> Result<()> {
+        ["LICENSE-MIT", "LICENSE-APACHE"].iter().try_for_each(|license| copy_into(&self.path(license), to))
     }
 
     /// The stage that runs passes in part.

@@ -10,7 +10,7 @@ use xshell::{PushEnv, cmd};
 
 use super::{Parts, manifest, pack, tested};
 use crate::abi;
-use crate::files::{copy_into, read};
+use crate::files::{copy_tree, read};
 use crate::install::{self, Built};
 use crate::native::{self, Build};
 use crate::target::launch;
@@ -18,7 +18,7 @@ use crate::wine::Wine;
 use crate::workspace::Workspace;
 
 /// A project of a user, beside the archive's examples.
-const CLIENT: &[&str] = &["xtask/package/client/CMakeLists.txt", "xtask/package/client/client.cpp"];
+pub const CLIENT: &str = "xtask/package/client";
 
 /// Packs and checks the full flavour with the release library and the tests' command, which other stages build too.
 pub fn stage(workspace: &Workspace) -> Result<()> {
@@ -139,9 +139,7 @@ fn by_cmake(workspace: &Workspace, root: &Path, folder: &Path) -> Result<()> {
 /// Builds and runs the user's project.
 fn client(workspace: &Workspace, parts: &Parts, root: &Path, folder: &Path, runner: &[&str]) -> Result<()> {
     let (source, built, target) = (root.join("client"), root.join("client-build"), &parts.library.target);
-    for file in CLIENT {
-        copy_into(&workspace.path(file), &source)?;
-    }
+    copy_tree(&workspace.path(CLIENT), &source)?;
     let options = native::cross_options(workspace, target)?;
     let build = Build { options, cross: target.cross, ..Build::new("client", folder) };
     native::compile(workspace, &build, &source, &built)?;

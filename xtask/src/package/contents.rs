@@ -7,7 +7,7 @@ use anyhow::{Context, Result, ensure};
 use xshell::cmd;
 
 use super::licenses::{FILE as LICENSES, STANDARD_LIBRARY};
-use super::{Parts, git, markdown};
+use super::{Parts, markdown};
 use crate::abi;
 use crate::declarations::{HEADERS, INCLUDE};
 use crate::files::{copy, copy_into, files_of, read, write};
@@ -61,7 +61,7 @@ const ENGINES: &[(&str, &str, &str, &str)] = &[
 pub fn copy_all(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
     // The installer puts licenses into share, for prefixes that many packages share.
     fs::remove_dir_all(folder.join("share")).context("the installer leaves licenses")?;
-    let listed = git(workspace, &[&["ls-files", "--error-unmatch", "--"], COPIED].concat())?;
+    let listed = workspace.git(&[&["ls-files", "--error-unmatch", "--"], COPIED].concat())?;
     for name in listed.lines().filter(|name| !LEFT_OUT.iter().any(|out| name.starts_with(out))) {
         copy(&workspace.path(name), &folder.join(name))?;
     }
@@ -74,8 +74,7 @@ pub fn copy_all(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<(
     unity_plugin(workspace, parts, folder)?;
     engines(workspace, parts, folder)?;
     for page in files_of(folder, &["md"])? {
-        let directory = page.parent().context("pages lie somewhere")?;
-        write(&page, markdown::without_dead_links(&read(&page)?, directory))?;
+        markdown::copy_page(&page, page.parent().context("pages lie somewhere")?)?;
     }
     Ok(())
 }
@@ -130,8 +129,7 @@ fn unity_plugin(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<(
 fn unreal_has_what_it_links(plugin: &Path) -> Result<()> {
     let library = plugin.join("Source/ThirdParty/CrumpleLibrary");
     let rules = read(&library.join("CrumpleLibrary.Build.cs"))?;
-    let named = rules.split('"').skip(1).step_by(2).filter(|name| name.starts_with("libcrumple.so"));
-    for name in named {
+    for name in rules.split('"').filter(|name| name.starts_with("libcrumple.so")) {
         let file = library.join("Lib/Linux").join(name);
         ensure!(file.is_file(), "the rules of Unreal's build name {name}, and the archive has no {}", file.display());
     }

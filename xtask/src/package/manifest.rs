@@ -7,7 +7,7 @@ use memchr::memmem;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
-use super::{Parts, git};
+use super::Parts;
 use crate::abi;
 use crate::files::{bytes, files, within, write};
 use crate::workspace::Workspace;
@@ -27,7 +27,7 @@ pub fn write_of(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<(
         "soname": linux.then(|| abi::soname(&workspace.version)),
         "glibc": if linux { glibc(folder)? } else { None },
         "rustc": workspace.rustc("release")?,
-        "commit": git(workspace, &["rev-parse", "HEAD"])?.trim(),
+        "commit": workspace.git(&["rev-parse", "HEAD"])?.trim(),
         "files": entries(folder)?,
     });
     write(&folder.join(FILE), serde_json::to_string_pretty(&manifest)? + "\n").context("writing the manifest")

@@ -2,10 +2,18 @@
 
 use std::path::Path;
 
+use anyhow::Result;
 use pulldown_cmark::{Event, Options, Parser, Tag};
 
+use crate::files::{name, read, write};
+
+/// Copies a page into a folder, without links to files that do not exist there.
+pub fn copy_page(page: &Path, folder: &Path) -> Result<()> {
+    write(&folder.join(name(page)?), without_dead_links(&read(page)?, folder))
+}
+
 /// `page` of `directory` without links to files that do not exist. Web addresses and anchors stay.
-pub fn without_dead_links(page: &str, directory: &Path) -> String {
+fn without_dead_links(page: &str, directory: &Path) -> String {
     let mut kept = String::new();
     let mut from = 0;
     for (event, whole) in Parser::new_ext(page, Options::ENABLE_TABLES).into_offset_iter() {
