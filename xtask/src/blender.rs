@@ -1,19 +1,17 @@
 //! The Blender extension: packs it with the wheel, and tests the packed file in Blender.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 use xshell::cmd;
 
-use crate::debian;
-use crate::files::{copy_into, empty_directory, name, read, write};
+use crate::files::{announce, copy_into, empty_directory, make, name, read, write};
 use crate::package::{archive, markdown};
-use crate::python;
 use crate::tools::{PYTHON311, XVFB};
 use crate::wine::Display;
 use crate::workspace::Workspace;
+use crate::{debian, python};
 
 const BINDING: &str = "bindings/blender";
 const MANIFEST: &str = "blender_manifest.toml";
@@ -43,7 +41,7 @@ pub struct Options {
 pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
     let wheel = python::build(workspace, true, &workspace.target.join("package/blender-wheel"))?;
     let archive = pack(workspace, &wheel, &workspace.path(&options.out))?;
-    println!("{} ({:.1} MB)", archive.display(), fs::metadata(&archive)?.len() as f64 / 1e6);
+    announce(&archive)?;
     if options.picture {
         let (sh, python) = (&workspace.shell, module(workspace, NEWEST)?);
         let script = workspace.path(BINDING).join("examples/dent_car.py");
@@ -131,7 +129,7 @@ fn pack(workspace: &Workspace, wheel: &Path, out: &Path) -> Result<PathBuf> {
     let system = system(&name).with_context(|| format!("Blender has no name for the system of {name}"))?;
     let lines = format!("platforms = [\"{system}\"]\nwheels = [\"./wheels/{name}\"]\n");
     write(&stage.join(MANIFEST), format!("{before}{lines}\n[permissions]{after}"))?;
-    fs::create_dir_all(out).with_context(|| format!("creating {}", out.display()))?;
+    make(out)?;
     let path = out.join(format!("crumple-blender-{}-{system}.zip", workspace.version));
     archive::zip(&stage, &path)?;
     Ok(path)

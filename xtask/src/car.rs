@@ -6,13 +6,11 @@ use anyhow::Result;
 use clap::Args;
 use xshell::cmd;
 
-use crate::blender;
-use crate::exports;
 use crate::files::empty_directory;
-use crate::python;
 use crate::stage::LeftOut;
 use crate::tools::{NPM, PYTHON3};
 use crate::workspace::Workspace;
+use crate::{blender, exports, python};
 
 const ASSETS: &str = "assets/car";
 /// Examples that the repository keeps, some 40 kB each.

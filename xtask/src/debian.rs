@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use xshell::cmd;
 
-use crate::files::{empty_directory, files, files_of};
+use crate::files::{empty_directory, files, files_of, make};
 use crate::stage::LeftOut;
 use crate::workspace::Workspace;
 
@@ -42,7 +42,7 @@ fn fetch(workspace: &Workspace, folder: &Path, packages: &[&str], name: &str, en
     let mirror = mirror()?;
     empty_directory(folder)?;
     for part in ["lists/partial", "debs/partial", "root"] {
-        fs::create_dir_all(folder.join(part))?;
+        make(&folder.join(part))?;
     }
     fs::write(folder.join("sources.list"), format!("deb [signed-by={KEYS}] {mirror} sid main\n"))?;
     fs::write(folder.join("status"), "")?;

@@ -8,7 +8,7 @@ use anyhow::{Context, Result, ensure};
 use xshell::cmd;
 
 use crate::command;
-use crate::files::write;
+use crate::files::{make, write};
 use crate::workspace::Workspace;
 
 /// The car with its examples, and what hits it; `cargo xtask car --examples` makes both.
@@ -35,7 +35,7 @@ pub fn check(workspace: &Workspace) -> Result<()> {
 fn show(workspace: &Workspace, program: &Path, out: &Path, options: &[String]) -> Result<()> {
     println!("\nA car before and after a crash; its examples are dents that a physics solver computed.");
     let start = Instant::now();
-    fs::create_dir_all(out).with_context(|| format!("creating {}", out.display()))?;
+    make(out)?;
     let dented = out.join("dented.glb");
     let pictures = ["--join", "--size", "1280x560", "--png"];
     let apply =
@@ -53,7 +53,7 @@ fn show(workspace: &Workspace, program: &Path, out: &Path, options: &[String]) -
 /// Writes what other programs need to draw the car and to dent it: `car.glb`, without examples and packing, and the baked `car.crumple`.
 /// `options` are further ones of both commands, such as `--moving`.
 pub fn lay_out_car(workspace: &Workspace, folder: &Path, options: &[&str]) -> Result<()> {
-    fs::create_dir_all(folder).with_context(|| format!("creating {}", folder.display()))?;
+    make(folder)?;
     let (sh, program) = (&workspace.shell, command::tested(workspace)?);
     let [car, set, none] = ["car.glb", "car.crumple", "impacts.json"].map(|name| folder.join(name));
     cmd!(sh, "{program} bake {CAR} --join --one-mesh {options...} -o {set}").quiet().ignore_stdout().run()?;

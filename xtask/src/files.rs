@@ -10,7 +10,18 @@ pub fn empty_directory(directory: &Path) -> Result<()> {
     if directory.exists() {
         fs::remove_dir_all(directory).with_context(|| format!("removing {}", directory.display()))?;
     }
-    fs::create_dir_all(directory).with_context(|| format!("creating {}", directory.display()))
+    make(directory)
+}
+
+/// Creates a folder if it does not exist.
+pub fn make(folder: &Path) -> Result<()> {
+    fs::create_dir_all(folder).with_context(|| format!("creating {}", folder.display()))
+}
+
+/// Prints a file's path and size.
+pub fn announce(file: &Path) -> Result<()> {
+    println!("{} ({:.1} MB)", file.display(), fs::metadata(file)?.len() as f64 / 1e6);
+    Ok(())
 }
 
 /// The files below a folder in order, without symbolic links.
@@ -67,8 +78,7 @@ pub fn name(path: &Path) -> Result<String> {
 
 /// Copies a file, and makes the folder for it.
 pub fn copy(from: &Path, to: &Path) -> Result<()> {
-    let folder = to.parent().context("files lie in folders")?;
-    fs::create_dir_all(folder).with_context(|| format!("creating {}", folder.display()))?;
+    make(to.parent().context("files lie in folders")?)?;
     // A running program keeps the old file: overwriting it would change the program's memory.
     if to.exists() {
         fs::remove_file(to).with_context(|| format!("replacing {}", to.display()))?;

@@ -9,7 +9,7 @@ use anyhow::{Context, Result, ensure};
 use clap::Args;
 use xshell::cmd;
 
-use crate::files::{copy_into, empty_directory, files, read};
+use crate::files::{copy_into, empty_directory, files, make, read};
 use crate::vulkan;
 use crate::workspace::{Workspace, jobs, side_by_side};
 
@@ -100,7 +100,7 @@ impl Target<'_> {
     fn fuzzer(&self, options: &Options, found: &Path) -> Result<(String, Command)> {
         let Self { workspace, name, program, corpus, kept } = self;
         for folder in [corpus, found] {
-            fs::create_dir_all(folder).with_context(|| format!("making {}", folder.display()))?;
+            make(folder)?;
         }
         let (seconds, seed) = (options.seconds.to_string(), options.seed.to_string());
         // The first folder receives new inputs; the others are only read.
@@ -153,7 +153,7 @@ impl Target<'_> {
     /// names the lines of the places.
     fn lines(&self) -> Result<Vec<((PathBuf, u32), bool)>> {
         let Self { workspace, program, corpus, .. } = self;
-        fs::create_dir_all(corpus)?;
+        make(corpus)?;
         let places = corpus.with_extension("places");
         cmd!(workspace.shell, "{program}").env("CRUMPLE_SEEDS", corpus).env("CRUMPLE_COVERAGE", &places).run()?;
         let places = read(&places)?;

@@ -2,7 +2,6 @@
 //! and Mesa's driver are packages of Debian sid, unpacked below the target directory beside the system. Another engine may be named by
 //! `CRUMPLE_GODOT`.
 
-use std::fs;
 use std::net::UdpSocket;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -11,16 +10,14 @@ use anyhow::{Context, Result, ensure};
 use clap::Args;
 use xshell::{Cmd, PushEnv, cmd};
 
-use crate::debian;
-use crate::demo;
-use crate::files::{copy, copy_into, copy_tree, empty_directory, read, write};
+use crate::files::{announce, copy, copy_into, copy_tree, empty_directory, make, read, write};
 use crate::package::{archive, licenses, markdown, nothing_of_this_machine};
 use crate::stage::all_passed;
 use crate::target::{self, Target};
 use crate::tools::{self, MINGW, WINDOWS_RUST};
-use crate::vulkan;
 use crate::wine::Display;
 use crate::workspace::Workspace;
+use crate::{debian, demo, vulkan};
 
 const BINDING: &str = "bindings/godot";
 const PROJECT: &str = "bindings/godot/project";
@@ -125,7 +122,7 @@ fn lay_out(workspace: &Workspace, library: &Path) -> Result<PathBuf> {
 fn lay_out_generated(workspace: &Workspace, project: &Path) -> Result<()> {
     // Wheels are nodes of their own.
     demo::lay_out_car(workspace, &project.join("assets"), &["--moving", "wheel_*"])?;
-    fs::create_dir_all(project.join(".godot"))?;
+    make(&project.join(".godot"))?;
     write(&project.join(".godot/extension_list.cfg"), "res://addons/crumple/crumple.gdextension\n")
 }
 
@@ -253,7 +250,7 @@ pub fn pack(workspace: &Workspace, options: &Options) -> Result<()> {
     licenses::write_all(workspace, &linked, &addon)?;
 
     let out = workspace.path(&options.out);
-    fs::create_dir_all(&out).with_context(|| format!("creating {}", out.display()))?;
+    make(&out)?;
     let archive = out.join(format!("crumple-godot-{}.zip", workspace.version));
     archive::zip(&stage.join("addons"), &archive)?;
     if options.demo {
@@ -264,7 +261,7 @@ pub fn pack(workspace: &Workspace, options: &Options) -> Result<()> {
         lay_out_generated(workspace, &project)?;
         println!("{0} is the demo: godot --path {0}", project.display());
     }
-    println!("{} ({:.1} MB)", archive.display(), fs::metadata(&archive)?.len() as f64 / 1e6);
+    announce(&archive)?;
     Ok(())
 }
 

@@ -20,7 +20,7 @@ use xshell::cmd;
 
 use crate::abi;
 use crate::declarations::{HEADERS, INCLUDE};
-use crate::files::{bytes, copy, copy_into, read, write};
+use crate::files::{bytes, copy, copy_into, make, read, write};
 use crate::target::Target;
 use crate::workspace::{Workspace, rustc};
 
@@ -152,7 +152,7 @@ pub fn lay_out(workspace: &Workspace, built: &Built, prefix: &Path) -> Result<()
         let template = read(&workspace.path("cmake").join(format!("{name}.in")))?;
         let text = values.iter().fold(template, |text, (key, value)| text.replace(&format!("@CRUMPLE_{key}@"), value));
         ensure!(!text.contains("@CRUMPLE_"), "cmake/{name}.in asks for what the installer does not know");
-        fs::create_dir_all(&directory)?;
+        make(&directory)?;
         write(&directory.join(name), text)?;
     }
     Ok(())
@@ -167,7 +167,7 @@ fn copy_shared(workspace: &Workspace, built: &Built, prefix: &Path) -> Result<()
         if !built.target.is_mingw() {
             return copy_into(&shared.with_file_name(import), &lib);
         }
-        fs::create_dir_all(&lib)?;
+        make(&lib)?;
         import_library(workspace, "crumple.dll", &abi::exports(shared)?, &lib.join(import))?;
         // The name that MinGW's linker finds for -lcrumple before the static library's.
         return copy(&lib.join(import), &lib.join("libcrumple.dll.a"));

@@ -8,12 +8,11 @@ use anyhow::{Context, Result, ensure};
 use clap::Args;
 use xshell::cmd;
 
-use crate::engines;
 use crate::files::empty_directory;
 use crate::package::SLIM;
-use crate::python;
 use crate::tools::PYTHON3;
 use crate::workspace::Workspace;
+use crate::{engines, python};
 
 #[derive(Args)]
 pub struct Options {

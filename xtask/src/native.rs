@@ -6,15 +6,14 @@ use anyhow::{Result, ensure};
 use regex_lite::Regex;
 use xshell::cmd;
 
-use crate::abi;
 use crate::declarations::INCLUDE;
 use crate::files::{copy_into, empty_directory, files, read};
 use crate::install::{self, Profile};
 use crate::stage::all_passed;
 use crate::target::Target;
 use crate::tools::{BULLET, ODE, PNG, Tool, VULKAN, VULKAN_HEADERS};
-use crate::vulkan;
 use crate::workspace::{Workspace, jobs};
+use crate::{abi, vulkan};
 
 /// CMake projects whose programs are tests, each with the name of its build directory.
 pub const OURS: &[(&str, &str)] = &[("examples-c", "examples-c"), ("tests/c", "tests-c")];

@@ -10,20 +10,17 @@ pub mod markdown;
 mod paths;
 mod symbols;
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
 
-use crate::command;
-use crate::files::{copy_into, empty_directory, files};
+use crate::files::{announce, copy_into, empty_directory, files, make};
 use crate::install::{self, Built, Profile};
-use crate::native;
 use crate::target::{self, Target};
-use crate::tools;
 use crate::wine::Wine;
 use crate::workspace::Workspace;
+use crate::{command, native, tools};
 
 pub use check::{CLIENT, stage, windows};
 pub use paths::nothing_of_this_machine;
@@ -160,12 +157,11 @@ fn lay_out(workspace: &Workspace, parts: &Parts) -> Result<(PathBuf, PathBuf)> {
 /// Lays out the folder and writes the archives to `out`. Returns the one that does not hold the symbols.
 fn pack(workspace: &Workspace, parts: &Parts, out: &Path) -> Result<PathBuf> {
     let (folder, debug) = lay_out(workspace, parts)?;
-    fs::create_dir_all(out).with_context(|| format!("creating {}", out.display()))?;
+    make(out)?;
     let (time, target) = (time(workspace)?, &parts.library.target);
     let [archive, debug] = [archive::pack(&folder, out, time, target)?, archive::pack(&debug, out, time, target)?];
-    for file in [&archive, &debug] {
-        println!("{} ({:.1} MB)", file.display(), fs::metadata(file)?.len() as f64 / 1e6);
-    }
+    announce(&archive)?;
+    announce(&debug)?;
     Ok(archive)
 }
 

@@ -7,18 +7,15 @@ use anyhow::{Result, ensure};
 use regex_lite::Regex;
 use xshell::cmd;
 
-use crate::abi;
-use crate::command;
 use crate::declarations::{self, HEADERS, INCLUDE};
 use crate::files::{copy_into, empty_directory, read, same_files, write};
 use crate::install::{self, Built, Profile};
 use crate::native::{self, Build};
-use crate::package;
 use crate::stage::all_passed;
 use crate::target::{AARCH64, I686, Target, WINDOWS, launch};
-use crate::vulkan;
 use crate::wine::Wine;
 use crate::workspace::Workspace;
+use crate::{abi, command, package, vulkan};
 
 /// Features of the build whose library, command and tests are all used.
 const FEATURES: &str = "cli,host-allocator";

@@ -1,19 +1,17 @@
 //! Python: builds and tests the package as a wheel in environments below the target directory.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use xshell::cmd;
 
-use crate::files::{copy, copy_into, empty_directory, files, read, write};
-use crate::install;
-use crate::package;
+use crate::files::{announce, copy, copy_into, empty_directory, files, read, write};
 use crate::stage::LeftOut;
 use crate::target::Target;
 use crate::tools::{self, PYTHON3, PYTHON311, Tool};
 use crate::workspace::{Workspace, jobs};
+use crate::{install, package};
 
 const PACKAGE: &str = "bindings/python";
 /// What the package's tests need, pinned.
@@ -35,7 +33,7 @@ pub struct Options {
 /// `cargo xtask wheel`: the wheel for this system, with the release library and command.
 pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
     let wheel = build(workspace, true, &workspace.path(&options.out))?;
-    println!("{} ({:.1} MB)", wheel.display(), fs::metadata(&wheel)?.len() as f64 / 1e6);
+    announce(&wheel)?;
     Ok(())
 }
 

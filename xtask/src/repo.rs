@@ -5,10 +5,9 @@ use std::fs;
 
 use anyhow::{Context, Result, bail, ensure};
 
-use crate::declarations;
-use crate::dependencies;
 use crate::files::{files, files_of, read, within, write};
 use crate::workspace::Workspace;
+use crate::{declarations, dependencies};
 
 /// The most bytes of meshes, fixtures and pictures together, of the lab's figures, which `cargo xtask lab` writes, and of its
 /// reference data.

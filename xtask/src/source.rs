@@ -7,12 +7,11 @@ use anyhow::Result;
 use xshell::cmd;
 
 use crate::files::{bytes, copy_tree, empty_directory, read, same_files, write};
-use crate::native;
 use crate::package::CLIENT;
 use crate::package::manifest::sha256;
-use crate::python;
 use crate::tools::PYTHON3;
 use crate::workspace::Workspace;
+use crate::{native, python};
 
 /// Conan, pinned.
 const REQUIREMENTS: &str = "xtask/package/requirements.txt";

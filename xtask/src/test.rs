@@ -6,7 +6,7 @@ use clap::Args;
 use crate::stage::{self, Rules, Stage};
 use crate::tools::{
     AARCH64_CC, AARCH64_RUST, ABIGAIL, ASSIMP, BLENDER_LIBRARIES, BULLET, CC, CHROMIUM, CMAKE, CXX, FOR_WINDOWS,
-    I686_CC, I686_RUST, LLVM, MONO, NPM, ODE, PKG_CONFIG, PNG, PYTHON3, PYTHON311, QEMU, VALGRIND, VULKAN,
+    I686_CC, I686_RUST, LLVM, MONO, NPM, ODE, PKG_CONFIG, PNG, PYTHON3, PYTHON311, QEMU, SWIFTSHADER, VALGRIND, VULKAN,
     VULKAN_HEADERS, WEB_RUST, XVFB,
 };
 use crate::workspace::Workspace;
@@ -164,13 +164,14 @@ const STAGES: &[Stage] = &[
         .leaves(&["cross/i686-unknown-linux-gnu"]),
     Stage::new("vulkan", vulkan::run)
         .shows("the Vulkan tests pass on lavapipe under validation; with --all also on SwiftShader, and those of wgpu")
-        .needs(&[VULKAN]),
+        .needs(&[VULKAN])
+        .wants(&[SWIFTSHADER]),
     Stage::new("rust", rust)
         .shows("the Rust tests and documentation examples pass; with --all also those of wgpu, the lab and xtask"),
     Stage::new("ctest", native::ctest)
         .shows("the C and C++ tests pass with the installed library; with --all also Unity's renderer plugin")
         .needs(&[CC, CXX, CMAKE])
-        .wants(&[ODE, BULLET, VULKAN, VULKAN_HEADERS, PNG]),
+        .wants(&[ODE, BULLET, VULKAN, SWIFTSHADER, VULKAN_HEADERS, PNG]),
 ];
 
 /// Runs the stages that `options` choose. A stage that is not everybody's always runs whole; those that are run whole with `--all`.

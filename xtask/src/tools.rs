@@ -76,6 +76,9 @@ pub const VULKAN: Tool = tool(
     "libvulkan1 mesa-vulkan-drivers vulkan-validationlayers",
     Loaded("libvulkan.so.1 libvulkan_lvp.so libVkLayer_khronos_validation.so"),
 );
+/// Vulkan's other software driver, in Debian's Chromium.
+pub const SWIFTSHADER: Tool = tool("SwiftShader", "chromium-common", File(&[SWIFTSHADER_LIBRARY]));
+pub const SWIFTSHADER_LIBRARY: &str = "/usr/lib/chromium/libvk_swiftshader.so";
 pub const VULKAN_HEADERS: Tool = tool("Vulkan's headers", "pkg-config libvulkan-dev", Library("vulkan"));
 /// Its tools compare binary interfaces.
 pub const ABIGAIL: Tool = tool("libabigail's abidiff", "abigail-tools", Programs("abidiff"));
@@ -114,7 +117,7 @@ pub const ASSIMP: Tool = tool("assimp", "assimp-utils", Call(&["assimp", "versio
 /// What building and running programs for Windows takes.
 pub const FOR_WINDOWS: &[Tool] = &[CC, CMAKE, WINDOWS_RUST, MINGW, WINE, XVFB, LLVM, VULKAN, VULKAN_HEADERS];
 /// What stages of everybody want, and get with `--all` only. The rest of what they use is under 200 MB of Debian packages.
-pub const FOR_ALL: &[Tool] = &[ODE, BULLET];
+pub const FOR_ALL: &[Tool] = &[ODE, BULLET, SWIFTSHADER];
 
 impl Tool {
     pub fn here(self, workspace: &Workspace) -> bool {
@@ -203,13 +206,6 @@ pub fn npm(workspace: &Workspace, directory: &Path, packages: &[&str]) -> Result
         })?;
     }
     Ok(modules)
-}
-
-/// Updates the list of packages if we may.
-pub fn refresh(workspace: &Workspace) {
-    if let Some(apt) = apt(workspace) {
-        let _ = apt(&["update"]);
-    }
 }
 
 /// Runs `apt-get` with these arguments, as root or by a sudo that needs no password. `None` if we may not.

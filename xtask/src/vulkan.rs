@@ -4,17 +4,13 @@ use std::fs;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result};
-use xshell::cmd;
 
-use crate::files::{empty_directory, files_of, write};
+use crate::files::write;
 use crate::stage::all_passed;
-use crate::tools;
+use crate::tools::{SWIFTSHADER, SWIFTSHADER_LIBRARY};
 use crate::workspace::Workspace;
 
 const MANIFESTS: &str = "/usr/share/vulkan/icd.d";
-/// Debian's package that holds SwiftShader.
-const PACKAGE: &str = "chromium-common";
-const PACKAGED: &str = "usr/lib/chromium/libvk_swiftshader.so";
 
 pub fn run(workspace: &Workspace) -> Result<()> {
     let drivers = drivers(workspace)?;
@@ -44,11 +40,14 @@ pub fn run(workspace: &Workspace) -> Result<()> {
 /// Manifests of the software drivers. Everybody's tests run on lavapipe alone: SwiftShader's package is large.
 pub fn drivers(workspace: &Workspace) -> Result<Vec<PathBuf>> {
     let mut drivers = vec![lavapipe()?];
-    if workspace.all {
-        match swiftshader(workspace) {
-            Ok(swiftshader) => drivers.push(swiftshader),
-            Err(error) => workspace.leave_out(format!("SwiftShader: {error:#}")),
-        }
+    if workspace.all && SWIFTSHADER.here(workspace) {
+        // The package's manifest has a relative path, which the loader resolves against the current folder.
+        let text = format!(
+            r#"{{"file_format_version": "1.0.0", "ICD": {{"library_path": "{SWIFTSHADER_LIBRARY}", "api_version": "1.1.0"}}}}"#
+        );
+        let manifest = workspace.target.join("vk_swiftshader_icd.json");
+        write(&manifest, text)?;
+        drivers.push(manifest);
     }
     Ok(drivers)
 }
@@ -59,35 +58,4 @@ pub fn lavapipe() -> Result<PathBuf> {
     let mut found = entries.filter_map(|e| Some(e.ok()?.path()));
     let name = |p: &PathBuf| p.file_name().is_some_and(|n| n.to_string_lossy().starts_with("lvp_icd"));
     found.find(name).with_context(|| format!("{MANIFESTS} holds no lvp_icd…json"))
-}
-
-/// The manifest of SwiftShader, taken out of Chromium's package without installing it.
-fn swiftshader(workspace: &Workspace) -> Result<PathBuf> {
-    let directory = workspace.target.join("swiftshader");
-    let manifest = directory.join("vk_swiftshader_icd.json");
-    if manifest.exists() {
-        return Ok(manifest);
-    }
-    empty_directory(&directory)?;
-    let sh = workspace.shell.clone();
-    sh.change_dir(&directory);
-    let download = || cmd!(sh, "apt-get -q download {PACKAGE}").run();
-    if download().is_err() {
-        tools::refresh(workspace);
-        download()?;
-    }
-    let package = files_of(&directory, &["deb"])?.pop().context("no package was downloaded")?;
-    let unpacked = directory.join("package");
-    cmd!(sh, "dpkg-deb -x {package} {unpacked}").run()?;
-    let library = directory.join("libvk_swiftshader.so");
-    fs::rename(unpacked.join(PACKAGED), &library).with_context(|| format!("{PACKAGE} holds no {PACKAGED}"))?;
-    fs::remove_dir_all(unpacked)?;
-    fs::remove_file(package)?;
-    // The package's manifest has a relative path, which the loader resolves against the current folder.
-    let text = format!(
-        r#"{{"file_format_version": "1.0.0", "ICD": {{"library_path": "{}", "api_version": "1.1.0"}}}}"#,
-        library.display()
-    );
-    write(&manifest, text)?;
-    Ok(manifest)
 }

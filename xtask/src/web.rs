@@ -6,14 +6,13 @@ use anyhow::{Context, Result};
 use clap::Args;
 use xshell::cmd;
 
-use crate::command;
-use crate::demo;
 use crate::files::{copy, copy_tree, empty_directory};
 use crate::install::Profile;
 use crate::package::licenses;
 use crate::target::{self, Target};
 use crate::tools::{self, LLVM, NPM, WEB_RUST};
 use crate::workspace::Workspace;
+use crate::{command, demo};
 
 const PACKAGE: &str = "bindings/web";
 /// The parts of the package's folder that users get.

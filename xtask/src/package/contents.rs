@@ -8,13 +8,12 @@ use xshell::cmd;
 
 use super::licenses::{FILE as LICENSES, STANDARD_LIBRARY};
 use super::{Parts, markdown};
-use crate::abi;
 use crate::declarations::{HEADERS, INCLUDE};
 use crate::files::{copy, copy_into, files_of, read, write};
 use crate::native::{self, Build};
-use crate::reference;
 use crate::tools::VULKAN_HEADERS;
 use crate::workspace::Workspace;
+use crate::{abi, reference};
 
 /// Files and folders of the repository that archives hold under the same names.
 const COPIED: &[&str] = &[

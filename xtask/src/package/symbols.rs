@@ -1,13 +1,12 @@
 //! Moves debug symbols out of the libraries and programs into a folder of their own.
 
-use std::fs;
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use xshell::cmd;
 
 use super::Parts;
-use crate::files::{copy_into, files, name, write};
+use crate::files::{copy_into, files, make, name, write};
 use crate::workspace::Workspace;
 
 const README: &str = "\
@@ -19,7 +18,7 @@ folder `.debug` there. On macOS put `NAME.dSYM` beside it, on Windows `NAME.pdb`
 pub fn separate(workspace: &Workspace, parts: &Parts, folder: &Path, debug: &Path) -> Result<()> {
     let (sh, target) = (&workspace.shell, &parts.library.target);
     let (strip, objcopy) = (target.gnu("strip"), target.gnu("objcopy"));
-    fs::create_dir_all(debug).with_context(|| format!("creating {}", debug.display()))?;
+    make(debug)?;
     write(&debug.join("README.txt"), README)?;
     for file in files(folder)? {
         let name = name(&file)?;
