@@ -7,7 +7,7 @@ pub mod python;
 use std::path::Path;
 use std::sync::LazyLock;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use regex_lite::Regex;
 
 use crate::files;
@@ -116,6 +116,40 @@ fn prefix(name: &str, variants: &[Variant]) -> String {
     }
     own.push('_');
     if variants.iter().all(|variant| variant.name.starts_with(&own)) { own } else { "CRUMPLE_".to_owned() }
+}
+
+/// A number of C in C# and in Python's ctypes.
+fn number(name: &str) -> Result<(&'static str, &'static str)> {
+    Ok(match name {
+        "float" => ("float", "c.c_float"),
+        "double" => ("double", "c.c_double"),
+        "size_t" => ("UIntPtr", "c.c_size_t"),
+        "uint8_t" => ("byte", "c.c_uint8"),
+        "uint16_t" => ("ushort", "c.c_uint16"),
+        "uint32_t" => ("uint", "c.c_uint32"),
+        "uint64_t" => ("ulong", "c.c_uint64"),
+        "int32_t" => ("int", "c.c_int32"),
+        "int64_t" => ("long", "c.c_int64"),
+        _ => bail!("{name:?} is a type that is not declared"),
+    })
+}
+
+/// Breaks a declaration after commas where it would be wider.
+pub fn wrapped(declaration: &str, width: usize, indent: usize) -> String {
+    let mut parts = declaration.split_inclusive(", ");
+    let mut text = parts.next().unwrap_or_default().to_owned();
+    let mut line = text.len();
+    for part in parts {
+        if line + part.trim_end().len() > width {
+            text.truncate(text.trim_end().len());
+            text.push('\n');
+            text.push_str(&" ".repeat(indent));
+            line = indent;
+        }
+        text.push_str(part);
+        line += part.len();
+    }
+    text
 }
 
 /// Lines without a declaration.

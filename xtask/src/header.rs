@@ -2,9 +2,10 @@
 //! and compared in CI.
 
 use anyhow::{Context, Result, anyhow, bail};
+use regex_lite::Regex;
 use similar::TextDiff;
 
-use crate::declarations::{self, HEADERS, INCLUDE, csharp, python};
+use crate::declarations::{self, HEADERS, INCLUDE, csharp, python, wrapped};
 use crate::files::{self, read};
 use crate::workspace::Workspace;
 
@@ -25,30 +26,13 @@ struct Part {
     /// The first lines of its opening comment.
     about: &'static str,
     include: &'static str,
-    /// Files of `src`, in the order in which their items are declared.
-    sources: &'static [&'static str],
+    /// Files of `src` without their ends, in the order in which their items are declared.
+    sources: &'static str,
 }
 
 /// Of crumple.h, whose opening comment is in cbindgen.toml.
-const CORE: &[&str] = &[
-    "capi/version.rs",
-    "capi/result.rs",
-    "capi/types.rs",
-    "select/hit.rs",
-    "contacts/options.rs",
-    "damage/mark.rs",
-    "capi/tasks.rs",
-    "capi/context.rs",
-    "capi/set.rs",
-    "capi/set_info.rs",
-    "capi/instance.rs",
-    "capi/hit.rs",
-    "capi/contacts.rs",
-    "capi/damage.rs",
-    "capi/host_memory.rs",
-    "capi/buffer.rs",
-    "capi/deform.rs",
-];
+const CORE: &str = "capi/version capi/result capi/types select/hit contacts/options damage/mark capi/tasks capi/context capi/set \
+                    capi/set_info capi/instance capi/hit capi/contacts capi/damage capi/host_memory capi/buffer capi/deform";
 
 const PARTS: &[Part] = &[
     Part {
@@ -59,45 +43,37 @@ const PARTS: &[Part] = &[
 // Games load baked sets (crumple.h). This header is for what makes them, and for bodies that are made at run time.
 ",
         include: "crumple.h",
-        sources: &[
-            "example/data.rs",
-            "example/options.rs",
-            "capi/memory.rs",
-            "capi/build.rs",
-            "capi/keep_out.rs",
-            "capi/example_info.rs",
-            "capi/map_damage.rs",
-        ],
+        sources: "example/data example/options capi/memory capi/build capi/keep_out capi/example_info capi/map_damage",
     },
     Part {
         name: "crumple_import.h",
         about: "// Crumple: builds example sets from glTF and OBJ files.\n",
         include: "crumple_build.h",
-        sources: &["capi/primitive.rs", "capi/load.rs"],
+        sources: "capi/primitive capi/load",
     },
     Part {
         name: "crumple_parts.h",
         about: "// Crumple: bodies whose parts come off, points that move with the surface, such as lamps, and colliders.\n",
         include: "crumple.h",
-        sources: &["capi/parts.rs", "capi/attach.rs", "capi/colliders.rs"],
+        sources: "capi/parts capi/attach capi/colliders",
     },
     Part {
         name: "crumple_contacts.h",
         about: "// Crumple: contact ids, which join hits to one dent, and the hits that contact points became.\n",
         include: "crumple.h",
-        sources: &["capi/contact_ids.rs"],
+        sources: "capi/contact_ids",
     },
     Part {
         name: "crumple_view.h",
         about: "// Crumple: how finely, and how soon, instances are shown.\n",
         include: "crumple.h",
-        sources: &["capi/view.rs"],
+        sources: "capi/view",
     },
     Part {
         name: "crumple_host.h",
         about: "// Crumple: the host's allocator, and example sets in several contexts.\n",
         include: "crumple.h",
-        sources: &["capi/allocator.rs", "capi/share.rs"],
+        sources: "capi/allocator capi/share",
     },
     Part {
         name: "crumple_vulkan.h",
@@ -111,7 +87,7 @@ const PARTS: &[Part] = &[
 // Every call with a context may also return CRUMPLE_ERROR_VULKAN and CRUMPLE_ERROR_DEVICE_LOST.
 ",
         include: "crumple.h",
-        sources: &["capi/vulkan_types.rs", "capi/vulkan.rs"],
+        sources: "capi/vulkan_types capi/vulkan",
     },
     Part {
         name: "crumple_graph.h",
@@ -122,7 +98,7 @@ const PARTS: &[Part] = &[
 // dispatch, with kernels of crumple_graph_get_kernel. Crumple calls no graphics library.
 ",
         include: "crumple_vulkan.h",
-        sources: &["capi/graph_types.rs", "capi/graph.rs"],
+        sources: "capi/graph_types capi/graph",
     },
 ];
 
@@ -179,55 +155,38 @@ fn generate(workspace: &Workspace) -> Result<Vec<String>> {
 }
 
 /// What `sources` declare. Types of other files are written as they are named.
-fn write_header(workspace: &Workspace, sources: &[&str], config: cbindgen::Config) -> Result<String> {
-    let builder = sources
-        .iter()
-        .fold(cbindgen::Builder::new(), |builder, file| builder.with_src(workspace.path("src").join(file)));
+fn write_header(workspace: &Workspace, sources: &str, mut config: cbindgen::Config) -> Result<String> {
+    config.function.args = cbindgen::Layout::Horizontal;
+    let files = sources.split(' ').map(|file| workspace.path(format!("src/{file}.rs")));
+    let builder = files.fold(cbindgen::Builder::new(), |builder, file| builder.with_src(file));
     let bindings =
         builder.with_config(config).generate().context("cbindgen cannot read the sources; does the library build?")?;
     let mut text = Vec::new();
     bindings.write(&mut text);
-    let text = String::from_utf8(text)?.replace("\r\n", "\n");
-    // Items that cbindgen leaves out leave their blank lines behind.
-    let mut lines: Vec<String> = Vec::new();
-    // Where the arguments of a function begin.
-    let mut column = 0;
-    for line in text.lines() {
+    let line = |line: &str| {
         // With tags, cbindgen also refers to types by them.
-        let line = &match line.starts_with("typedef struct ") || line.starts_with("typedef enum ") {
+        let line = match line.starts_with("typedef struct ") || line.starts_with("typedef enum ") {
             true => line.to_owned(),
             false => line.replace("struct Crumple", "Crumple").replace("enum Crumple", "Crumple"),
         };
+        let declares = line.ends_with(");") && !line.starts_with("//");
+        // Arguments that have no room go below each other.
+        let column = line.rfind('(').map_or(0, |parenthesis| parenthesis + 1);
+        if declares { wrapped(&line, WIDTH, column) } else { line }
+    };
+    let mut text = String::from_utf8(text)?.lines().map(line).collect::<Vec<_>>().join("\n") + "\n";
+    for (found, instead) in [
+        // Items that cbindgen leaves out leave their blank lines behind.
+        (r"\n\n\n+", "\n\n"),
         // Constants go together, each below its comment.
-        if line.starts_with("#define") {
-            let comment = lines.iter().rev().take_while(|above| above.starts_with("///")).count();
-            let gap = lines.len() - comment;
-            if gap >= 2 && lines[gap - 1].is_empty() && lines[gap - 2].starts_with("#define") {
-                lines.remove(gap - 1);
-            }
-        }
+        (r"(#define .*\n)\n((?:///.*\n)*#define)", "$1$2"),
         // A function without a comment returns the def of the next function.
-        let joins = line.starts_with("///") || is_default(line);
-        if joins && lines.ends_with(&[String::new()]) && is_default(&lines[lines.len() - 2]) {
-            lines.pop();
-        }
-        match lines.last_mut() {
-            Some(above) if line.is_empty() && above.is_empty() => {}
-            // Arguments go beside each other, as far as there is room.
-            Some(above) if line.starts_with("      ") && above.len() + 1 + line.trim_start().len() <= WIDTH => {
-                above.push(' ');
-                above.push_str(line.trim_start());
-            }
-            _ if line.starts_with("      ") => lines.push(" ".repeat(column) + line.trim_start()),
-            _ => {
-                column = line.rfind('(').map_or(0, |parenthesis| parenthesis + 1);
-                lines.push(line.to_owned());
-            }
+        (r"(_def_default\(void\);\n)\n(///|.*_def_default\(void\);)", "$1$2"),
+    ] {
+        let found = Regex::new(found)?;
+        while found.is_match(&text) {
+            text = found.replace_all(&text, instead).into_owned();
         }
     }
-    Ok(lines.join("\n") + "\n")
-}
-
-fn is_default(declaration: &str) -> bool {
-    declaration.ends_with("_def_default(void);")
+    Ok(text)
 }

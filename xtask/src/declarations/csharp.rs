@@ -4,8 +4,9 @@
 use std::fmt::Write;
 
 use anyhow::{Context, Result, bail};
+use regex_lite::{Captures, Regex};
 
-use super::{Form, Item, Type, Variable, prefix};
+use super::{Form, Item, Type, Variable, number, prefix, wrapped};
 
 const HEAD: &str = "\
 // Generated from the headers in include by `cargo xtask header`; do not edit it. They document what is declared here. C# lays out
@@ -75,16 +76,8 @@ impl Writer<'_> {
             "void" => "void",
             "char" if kind.pointers > 0 => "byte",
             "bool" => "CrumpleBool",
-            "float" => "float",
-            "double" => "double",
-            "size_t" => "UIntPtr",
-            "uint8_t" => "byte",
-            "uint16_t" => "ushort",
-            "uint32_t" => "uint",
-            "uint64_t" => "ulong",
-            "int32_t" => "int",
-            "int64_t" => "long",
             name => match self.form(name) {
+                None => number(name)?.0,
                 Some(Form::Enum { .. } | Form::Struct { .. }) => name,
                 Some(Form::Callback { .. }) => "IntPtr",
                 Some(Form::Opaque) if kind.pointers > 0 => "void",
@@ -184,7 +177,7 @@ impl Writer<'_> {
             let Form::Define { value } = form else { continue };
             // Features are an enum; a define in small letters is another name of a function, which C# has as it is.
             if !name.starts_with("CRUMPLE_FEATURE_") && !name.starts_with("crumple_") {
-                writeln!(text, "        public const uint {} = {};", define(name), defines_in(value))?;
+                writeln!(text, "        public const uint {} = {};", define(name), defines_in(value)?)?;
             }
         }
         text.push('\n');
@@ -195,7 +188,7 @@ impl Writer<'_> {
             );
             let list = self.parameters(parameters).with_context(|| name.clone())?;
             let declaration = format!("        public static extern {} {name}({list});", self.kind(result, false)?);
-            writeln!(text, "{}", wrapped(&declaration))?;
+            writeln!(text, "{}", wrapped(&declaration, WIDTH, 12))?;
         }
         Ok(text + "    }\n}\n")
     }
@@ -207,30 +200,12 @@ impl Writer<'_> {
     }
 }
 
-/// Breaks a declaration after commas where it would be wider than `WIDTH`.
-fn wrapped(declaration: &str) -> String {
-    let mut parts = declaration.split_inclusive(", ");
-    let mut text = parts.next().unwrap_or_default().to_owned();
-    let mut line = text.len();
-    for part in parts {
-        if line + part.trim_end().len() > WIDTH {
-            text.truncate(text.trim_end().len());
-            text.push_str("\n            ");
-            line = 12;
-        }
-        text.push_str(part);
-        line += part.len();
-    }
-    text
-}
-
 /// `CRUMPLE_VERSION_MAJOR` as `VersionMajor`.
 fn define(name: &str) -> String {
     pascal(name.trim_start_matches("CRUMPLE_"))
 }
 
 /// The value of a define, with the names of other defines as C# has them.
-fn defines_in(value: &str) -> String {
-    let words = value.split_inclusive(|letter: char| !letter.is_ascii_alphanumeric() && letter != '_');
-    words.map(|word| if word.starts_with("CRUMPLE_") { define(word) } else { word.to_owned() }).collect()
+fn defines_in(value: &str) -> Result<String> {
+    Ok(Regex::new("CRUMPLE_\\w+")?.replace_all(value, |found: &Captures<'_>| define(&found[0])).into_owned())
 }

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use anyhow::{Context, Result, bail};
 
-use super::{Form, Item, Type, Variable, Variant, prefix};
+use super::{Form, Item, Type, Variable, Variant, number, prefix};
 
 const HEAD: &str = "\
 # Generated from the headers in include by `cargo xtask header`; do not edit it. They document what is declared here.
@@ -94,15 +94,8 @@ impl Writer<'_> {
             ("void", stars) => ("c.c_void_p", stars - 1),
             ("char", stars @ 1..) => ("c.c_char_p", stars - 1),
             ("bool", stars) => ("c.c_bool", stars),
-            ("float", stars) => ("c.c_float", stars),
-            ("double", stars) => ("c.c_double", stars),
-            ("size_t", stars) => ("c.c_size_t", stars),
-            ("uint8_t", stars) => ("c.c_uint8", stars),
-            ("uint16_t", stars) => ("c.c_uint16", stars),
-            ("uint32_t", stars) => ("c.c_uint32", stars),
-            ("uint64_t", stars) => ("c.c_uint64", stars),
-            ("int64_t", stars) => ("c.c_int64", stars),
             (name, stars) => match form {
+                None => (number(name)?.1, stars),
                 Some(Form::Enum { .. }) => ("c.c_uint32", stars),
                 Some(Form::Struct { .. } | Form::Callback { .. }) => (name, stars),
                 Some(Form::Opaque) if stars > 0 => ("c.c_void_p", stars - 1),
