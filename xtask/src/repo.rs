@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail, ensure};
 
 use crate::files::{files, files_of, read, within, write};
 use crate::workspace::Workspace;
-use crate::{declarations, dependencies};
+use crate::{abi, declarations, dependencies};
 
 /// The most bytes of meshes, fixtures and pictures together, of the lab's figures, which `cargo xtask lab` writes, and of its
 /// reference data.
@@ -16,6 +16,8 @@ const LIMITS: &[(&[&str], u64)] =
 const RELIABILITY: &str = "docs/reliability.md";
 const CALLS: &str = "fuzz/src/calls";
 const REFUSALS: &str = "tests/c/refusals.c";
+/// It names the library that Unreal links on Linux.
+const UNREAL_RULES: &str = "bindings/unreal/Source/ThirdParty/CrumpleLibrary/CrumpleLibrary.Build.cs";
 const FIRST_DENT: &str = "examples-c/first_dent.c";
 const FIRST_DENT_LINES: usize = 45;
 /// Programs that a page shows whole: the program, the page and the language.
@@ -64,6 +66,7 @@ fn versions(workspace: &Workspace) -> Result<()> {
         ("bindings/blender/extension/blender_manifest.toml", format!("version = \"{version}\"")),
         ("bindings/godot/project/addons/crumple/plugin.cfg", format!("version=\"{version}\"")),
         ("CHANGELOG.md", format!("\n## [{version}]")),
+        (UNREAL_RULES, format!("\"{}\"", abi::soname(version))),
     ] {
         ensure!(read(&workspace.path(file))?.contains(&entry), "{file} lacks {entry:?}, the workspace's version");
     }

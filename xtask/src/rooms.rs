@@ -4,7 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use anyhow::{Context, Result, ensure};
-use proc_macro2::{Ident, TokenStream, TokenTree};
+use proc_macro2::Ident;
 use syn::visit::{self, Visit};
 use syn::{Attribute, Item, ItemFn, ItemImpl, ItemMod, ItemUse, UseTree, Visibility};
 
@@ -98,10 +98,10 @@ impl<'a> Tree<'a> {
         self.files.insert(module.clone(), name);
         for item in items {
             match item {
-                Item::Use(item) if !for_tests(&item.attrs) => leaves(&item.tree, &mut Vec::new(), &mut |path, name| {
-                    let path = path.iter().map(Ident::to_string).collect();
-                    self.names.insert((module.clone(), name.to_string()), path);
-                }),
+                Item::Use(item) if !for_tests(&item.attrs) => {
+                    let leaves = leaves(&item.tree, &[]).into_iter();
+                    self.names.extend(leaves.map(|leaf| ((module.clone(), leaf.name), leaf.path)));
+                }
                 Item::Mod(item) => {
                     let inner = [module.as_slice(), &[item.ident.to_string()]].concat();
                     if for_tests(&item.attrs) {
@@ -161,38 +161,12 @@ struct Imports<'t, 'a> {
 }
 
 impl Imports<'_, '_> {
-    fn arrow(&mut self, path: &[Ident]) {
-        let names: Vec<String> = path.iter().map(Ident::to_string).collect();
-        let Some(module) = self.tree.resolve(&self.module, &names, 0) else { return };
+    fn arrow(&mut self, path: &[String], line: usize) {
+        let Some(module) = self.tree.resolve(&self.module, path, 0) else { return };
         let to = self.tree.files.get(&module).copied().filter(|to| *to != "lib.rs" && *to != self.name);
         if let Some(to) = to {
-            self.arrows.entry((self.name, to)).or_insert((path[0].span().start().line, names.join("::")));
+            self.arrows.entry((self.name, to)).or_insert((line, path.join("::")));
         }
-    }
-
-    /// The visitor does not look inside macros: every `a::b` there counts as a path.
-    fn tokens(&mut self, tokens: TokenStream) {
-        let mut path: Vec<Ident> = Vec::new();
-        let mut joined = false;
-        for token in tokens {
-            match token {
-                TokenTree::Ident(name) => {
-                    if !joined {
-                        self.arrow(&std::mem::take(&mut path));
-                    }
-                    path.push(name);
-                    joined = false;
-                }
-                TokenTree::Punct(punct) if punct.as_char() == ':' => joined = true,
-                other => {
-                    self.arrow(&std::mem::take(&mut path));
-                    if let TokenTree::Group(group) = other {
-                        self.tokens(group.stream());
-                    }
-                }
-            }
-        }
-        self.arrow(&path);
     }
 }
 
@@ -200,7 +174,7 @@ impl<'ast> Visit<'ast> for Imports<'_, '_> {
     fn visit_item_use(&mut self, item: &'ast ItemUse) {
         // A re-export is no import: whoever uses the name imports from where it leads.
         if matches!(item.vis, Visibility::Inherited) && !for_tests(&item.attrs) {
-            leaves(&item.tree, &mut Vec::new(), &mut |path, _| self.arrow(path));
+            leaves(&item.tree, &[]).iter().for_each(|leaf| self.arrow(&leaf.path, leaf.line));
         }
     }
 
@@ -225,13 +199,19 @@ impl<'ast> Visit<'ast> for Imports<'_, '_> {
     }
 
     fn visit_path(&mut self, path: &'ast syn::Path) {
-        self.arrow(&path.segments.iter().map(|segment| segment.ident.clone()).collect::<Vec<_>>());
+        let names: Vec<String> = path.segments.iter().map(|segment| segment.ident.to_string()).collect();
+        self.arrow(&names, path.segments[0].ident.span().start().line);
         visit::visit_path(self, path);
     }
 
+    /// The visitor does not look inside macros: every `a::b` there counts as a path.
     fn visit_macro(&mut self, call: &'ast syn::Macro) {
         visit::visit_macro(self, call);
-        self.tokens(call.tokens.clone());
+        let tokens = call.tokens.to_string().replace(" :: ", "::");
+        for path in tokens.split(|letter: char| !letter.is_alphanumeric() && !"_:".contains(letter)) {
+            let names: Vec<String> = path.split("::").map(str::to_owned).collect();
+            self.arrow(&names, call.path.segments[0].ident.span().start().line);
+        }
     }
 
     fn visit_vis_restricted(&mut self, _: &'ast syn::VisRestricted) {}
@@ -249,24 +229,33 @@ fn for_tests(attributes: &[Attribute]) -> bool {
     attributes.iter().any(test)
 }
 
-/// Every path of a `use`, with the name that it gets.
-fn leaves(tree: &UseTree, path: &mut Vec<Ident>, found: &mut impl FnMut(&[Ident], &Ident)) {
-    match tree {
-        UseTree::Path(part) => {
-            path.push(part.ident.clone());
-            leaves(&part.tree, path, found);
-            path.pop();
-        }
-        UseTree::Group(group) => group.items.iter().for_each(|tree| leaves(tree, path, found)),
-        UseTree::Name(last) if last.ident == "self" => found(path, path.last().unwrap_or(&last.ident)),
-        UseTree::Name(last) => found(&joined(path, &last.ident), &last.ident),
-        UseTree::Rename(last) => found(&joined(path, &last.ident), &last.rename),
-        UseTree::Glob(star) => found(path, &Ident::new("glob", star.star_token.spans[0])),
-    }
+/// A path of a `use`, and the name that it gets.
+struct Leaf {
+    path: Vec<String>,
+    name: String,
+    line: usize,
 }
 
-fn joined(path: &[Ident], last: &Ident) -> Vec<Ident> {
-    path.iter().chain([last]).cloned().collect()
+/// Every path of a `use` below `above`.
+fn leaves(tree: &UseTree, above: &[String]) -> Vec<Leaf> {
+    let leaf = |own: &Ident, name: &Ident| {
+        let mut path = above.to_vec();
+        if own != "self" || above.is_empty() {
+            path.push(own.to_string());
+        }
+        let name = if name == "self" { path.last().cloned().unwrap_or_default() } else { name.to_string() };
+        vec![Leaf { path, name, line: own.span().start().line }]
+    };
+    match tree {
+        UseTree::Path(part) => leaves(&part.tree, &[above, &[part.ident.to_string()]].concat()),
+        UseTree::Group(group) => group.items.iter().flat_map(|tree| leaves(tree, above)).collect(),
+        UseTree::Name(last) => leaf(&last.ident, &last.ident),
+        UseTree::Rename(last) => leaf(&last.ident, &last.rename),
+        UseTree::Glob(star) => {
+            let line = star.star_token.spans[0].start().line;
+            vec![Leaf { path: above.to_vec(), name: "*".to_owned(), line }]
+        }
+    }
 }
 
 #[cfg(test)]

@@ -96,7 +96,7 @@ fn unity_plugin(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<(
     let target = &parts.library.target;
     let source = folder.join(UNITY_NATIVE);
     // There is no plugin for macOS, where Unity draws with Metal.
-    if !source.join("CMakeLists.txt").exists() || target.is_macos() {
+    if target.is_macos() {
         return Ok(());
     }
     if !VULKAN_HEADERS.here(workspace) && cfg!(target_os = "linux") {
@@ -104,33 +104,19 @@ fn unity_plugin(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<(
         println!("Unity's plugin is left out");
         return Ok(());
     }
-    let directory = workspace.target.join("package").join(&target.triple).join(format!("{}-unity", parts.flavour.name));
+    let directory = workspace.target.join(format!("package/{}/{}-unity", target.triple, parts.flavour.name));
     let mut options = native::cross_options(workspace, target)?;
     options.push("-DCRUMPLE_TESTS=OFF".to_owned());
     let build = Build { options, cross: target.cross, ..Build::new("package", folder) };
     native::compile(workspace, &build, &source, &directory)?;
-    let built = match () {
-        // Microsoft's builds have a folder for each configuration.
-        () if target.is_windows() && !target.cross => "RelWithDebInfo/crumple_unity.dll",
-        () if target.is_windows() => "crumple_unity.dll",
-        () => "libcrumple_unity.so",
-    };
-    let (built, plugins) = (directory.join(built), folder.join(UNITY).join("Plugins/x86_64"));
-    copy_into(&built, &plugins)?;
+    let name = if target.is_windows() { "crumple_unity.dll" } else { "libcrumple_unity.so" };
+    let plugin = folder.join(UNITY).join("Plugins/x86_64").join(name);
+    // Microsoft's builds have a folder for each configuration.
+    let configuration = if target.is_windows() && !target.cross { "RelWithDebInfo" } else { "." };
+    copy(&directory.join(configuration).join(name), &plugin)?;
     if target.is_linux() || target.is_mingw() {
-        let (strip, plugin) = (target.gnu("strip"), plugins.join(crate::files::name(&built)?));
+        let strip = target.gnu("strip");
         cmd!(workspace.shell, "{strip} --strip-unneeded {plugin}").quiet().run()?;
-    }
-    Ok(())
-}
-
-/// Checks that the archive has the library files that Unreal's build rules name.
-fn unreal_has_what_it_links(plugin: &Path) -> Result<()> {
-    let library = plugin.join("Source/ThirdParty/CrumpleLibrary");
-    let rules = read(&library.join("CrumpleLibrary.Build.cs"))?;
-    for name in rules.split('"').filter(|name| name.starts_with("libcrumple.so")) {
-        let file = library.join("Lib/Linux").join(name);
-        ensure!(file.is_file(), "the rules of Unreal's build name {name}, and the archive has no {}", file.display());
     }
     Ok(())
 }
@@ -139,14 +125,8 @@ fn engines(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
     let target = &parts.library.target;
     let soname = abi::soname(&workspace.version);
     let fill = |path: &str| path.replace("@VERSION@", &workspace.version).replace("@SONAME@", &soname);
-    for &(system, from, engine, to) in ENGINES {
-        let engine = folder.join(engine);
-        if engine.exists() && (system.is_empty() || target.triple.contains(system)) {
-            copy(&folder.join(fill(from)), &engine.join(fill(to)))?;
-        }
-    }
-    if target.is_linux() {
-        unreal_has_what_it_links(&folder.join(UNREAL))?;
+    for &(_, from, engine, to) in ENGINES.iter().filter(|engine| target.triple.contains(engine.0)) {
+        copy(&folder.join(fill(from)), &folder.join(engine).join(fill(to)))?;
     }
     // Unity warns about .meta files without a file: those of other systems' libraries.
     let plugins = folder.join(UNITY).join("Plugins");
