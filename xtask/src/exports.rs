@@ -93,26 +93,20 @@ fn export(workspace: &Workspace, exports: &Path) -> Result<()> {
     let godot = godot::engine(workspace)?;
     empty_directory(exports)?;
     let sh = &workspace.shell;
-    let script = |name: &str| workspace.path(SCRIPTS).join(name);
     let of = |name: &str| exports.join(name);
-    let (by_blender, by_three, by_trimesh) = (script("blender.py"), script("three.mjs"), script("trimesh_files.py"));
     let (plain, plain_obj) = (of("blender/plain.glb"), of("blender/plain.obj"));
-    let folder = of("blender");
-    cmd!(sh, "{blender} {by_blender} {folder}").ignore_stdout().ignore_stderr().run()?;
-    let folder = of("three");
-    cmd!(sh, "node {by_three} {modules} {plain} {folder}").run()?;
-    let folder = of("trimesh");
-    cmd!(sh, "{trimesh} {by_trimesh} {plain} {folder}").env("PYTHONDONTWRITEBYTECODE", "1").run()?;
+    cmd!(sh, "{blender} {SCRIPTS}/blender.py {exports}/blender").ignore_stdout().ignore_stderr().run()?;
+    cmd!(sh, "node {SCRIPTS}/three.mjs {modules} {plain} {exports}/three").run()?;
+    cmd!(sh, "{trimesh} -B {SCRIPTS}/trimesh_files.py {plain} {exports}/trimesh").run()?;
     fs::create_dir(of("assimp"))?;
     for (source, name, format) in
         [(&plain, "plain.glb", "glb2"), (&plain, "plain.gltf", "gltf2"), (&plain_obj, "of_obj.glb", "glb2")]
     {
-        let (out, format) = (of("assimp").join(name), format!("-f{format}"));
-        cmd!(sh, "assimp export {source} {out} {format}").ignore_stdout().run()?;
+        cmd!(sh, "assimp export {source} {exports}/assimp/{name} -f{format}").ignore_stdout().run()?;
     }
     fs::create_dir(of("godot"))?;
-    let (by_godot, out) = (script("godot.gd"), of("godot/plain.glb"));
+    let (script, out) = (workspace.path(SCRIPTS).join("godot.gd"), of("godot/plain.glb"));
     let _home = godot::home(workspace, &exports.join("home"));
-    cmd!(sh, "timeout 120 {godot} --headless --script {by_godot} -- {plain} {out}").ignore_stdout().run()?;
+    cmd!(sh, "timeout 120 {godot} --headless --script {script} -- {plain} {out}").ignore_stdout().run()?;
     Ok(())
 }

@@ -17,7 +17,7 @@ use crate::target::{self, Target};
 use crate::tools::{self, MINGW, WINDOWS_RUST};
 use crate::wine::Display;
 use crate::workspace::Workspace;
-use crate::{debian, demo, vulkan};
+use crate::{car, debian, vulkan};
 
 const BINDING: &str = "bindings/godot";
 const PROJECT: &str = "bindings/godot/project";
@@ -121,7 +121,7 @@ fn lay_out(workspace: &Workspace, library: &Path) -> Result<PathBuf> {
 /// finds one.
 fn lay_out_generated(workspace: &Workspace, project: &Path) -> Result<()> {
     // Wheels are nodes of their own.
-    demo::lay_out_car(workspace, &project.join("assets"), &["--moving", "wheel_*"])?;
+    car::lay_out(workspace, &project.join("assets"), &["--moving", "wheel_*"])?;
     make(&project.join(".godot"))?;
     write(&project.join(".godot/extension_list.cfg"), "res://addons/crumple/crumple.gdextension\n")
 }

@@ -1,18 +1,22 @@
 //! `cargo xtask lab` runs the lab's parts one after the other, draws their charts and writes docs/lab/README.md. `cargo xtask bench` runs
-//! its benchmark, and with `--gpu` that of graphics devices.
+//! its benchmark, and with `--gpu` that of graphics devices. Stage "engines" has physics engines whose contacts go through the contact
+//! layer: Jolt on the demo's hood, and Rapier, Bullet and Jolt on the truths' hits, which the programs of lab/throws throw. The lab's
+//! tests have Rapier in scenes of its own.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 use xshell::cmd;
 
-use crate::files::empty_directory;
+use crate::files::{empty_directory, write};
+use crate::native::{self, Build};
 use crate::package::SLIM;
-use crate::tools::PYTHON3;
-use crate::workspace::Workspace;
-use crate::{engines, python};
+use crate::python;
+use crate::stage::all_passed;
+use crate::tools::{BULLET, PYTHON3};
+use crate::workspace::{Workspace, jobs};
 
 #[derive(Args)]
 pub struct Options {
@@ -64,6 +68,10 @@ const SHOWN: &[(&str, &str)] = &[("charts", "draw.py"), ("report", "report.py")]
 /// The benchmark of graphics devices that needs none.
 const COMPILED: &str = "compiled";
 
+/// The crate that has Jolt's source. Nothing links with the crate itself.
+const JOLT: &str = "joltc-sys";
+const JOLT_VERSION: &str = "=0.3.1";
+
 pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
     let names: Vec<&str> = MEASURED.iter().map(|part| part.0).chain(SHOWN.iter().map(|part| part.0)).collect();
     for name in &options.only {
@@ -82,20 +90,19 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
     for (name, script) in MEASURED.iter().filter(|part| wanted(part.0)) {
         timed(name, || {
             let quick = options.quick.then_some("--quick");
-            let throws = (*name == "contacts").then(|| engines::build(workspace)).transpose()?;
+            let throws = (*name == "contacts").then(|| throws(workspace)).transpose()?;
             let throws = throws.map(|folder| format!("--throws={}", folder.display()));
             cmd!(sh, "{program} {name} {throws...} {quick...} --out {out}").quiet().run()?;
             if let [script, arguments @ ..] = script {
-                let path = workspace.path("lab/python").join(script);
-                cmd!(sh, "{python} -B {path} {arguments...} {quick...} --out {out}").quiet().run()?;
+                cmd!(sh, "{python} -B lab/python/{script} {arguments...} {quick...} --out {out}").quiet().run()?;
             }
             Ok(())
         })
         .with_context(|| alone(name))?;
     }
     for (name, script) in SHOWN.iter().filter(|part| wanted(part.0)) {
-        let path = workspace.path("lab/python").join(script);
-        timed(name, || Ok(cmd!(sh, "{python} -B {path} {out}").quiet().run()?)).with_context(|| alone(name))?;
+        timed(name, || Ok(cmd!(sh, "{python} -B lab/python/{script} {out}").quiet().run()?))
+            .with_context(|| alone(name))?;
     }
     println!("== lab: {} after {:.0} s", out.display(), start.elapsed().as_secs_f64());
     Ok(())
@@ -140,8 +147,7 @@ fn bench_devices(workspace: &Workspace, options: &BenchOptions) -> Result<()> {
     if whole {
         let python = python(workspace)?;
         for script in ["draw.py", "gpu_report.py"] {
-            let path = workspace.path("lab/python").join(script);
-            cmd!(sh, "{python} -B {path} {out}").quiet().run()?;
+            cmd!(sh, "{python} -B lab/python/{script} {out}").quiet().run()?;
         }
     }
     Ok(())
@@ -179,4 +185,57 @@ fn timed<T>(name: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
     let done = work()?;
     println!("== {name}: {:.1} s", start.elapsed().as_secs_f64());
     Ok(done)
+}
+
+/// Stage "engines".
+pub fn engines(workspace: &Workspace) -> Result<()> {
+    let programs = throws(workspace)?;
+    all_passed(vec![("Jolt", jolt(workspace, &programs)), ("the truths in all engines", truths(workspace, &programs))])
+}
+
+fn jolt(workspace: &Workspace, programs: &Path) -> Result<()> {
+    let directory = programs.join("examples-c");
+    let sh = &workspace.shell;
+    Ok(cmd!(sh, "ctest --test-dir {directory} --tests-regex ^jolt_crash$ --verbose --no-tests=error").run()?)
+}
+
+fn truths(workspace: &Workspace, programs: &Path) -> Result<()> {
+    workspace.build_as_tested(&["--bin", "crumple-lab"]).run()?;
+    let program = workspace.target.join("debug/crumple-lab").with_extension(std::env::consts::EXE_EXTENSION);
+    let out = workspace.target.join("lab-engines");
+    Ok(cmd!(workspace.shell, "{program} contacts --check --throws {programs} --out {out}").run()?)
+}
+
+/// Builds lab/throws and the examples that need Jolt against the installed library. Returns the folder of the programs. Bullet is left
+/// out where it is not installed.
+fn throws(workspace: &Workspace) -> Result<PathBuf> {
+    if !BULLET.here(workspace) {
+        println!("Bullet is left out: on Debian, apt-get install libbullet-dev pkg-config");
+    }
+    let prefix = native::release_prefix(workspace)?;
+    let source = format!("-DCRUMPLE_JOLT={}", jolt_source(workspace)?.display());
+    let directory = workspace.target.join("throws");
+    let build = Build { options: vec![source], ..Build::new("throws", &prefix) };
+    native::compile(workspace, &build, &workspace.path("lab/throws"), &directory)?;
+    let (sh, jobs) = (&workspace.shell, jobs().to_string());
+    cmd!(sh, "cmake --build {directory} --config RelWithDebInfo --target jolt_crash --parallel {jobs}")
+        .ignore_stdout()
+        .run()?;
+    Ok(directory)
+}
+
+/// The folder of Jolt's source, which Cargo fetches.
+fn jolt_source(workspace: &Workspace) -> Result<PathBuf> {
+    let directory = workspace.target.join("jolt");
+    empty_directory(&directory)?;
+    let manifest = directory.join("Cargo.toml");
+    let text =
+        "[package]\nname = \"jolt-source\"\nversion = \"0.0.0\"\nedition = \"2024\"\n\n[lib]\npath = \"empty.rs\"\n\n";
+    write(&manifest, format!("{text}[dependencies]\n{JOLT} = \"{JOLT_VERSION}\"\n\n[workspace]\n"))?;
+    write(&directory.join("empty.rs"), "")?;
+    let packages = workspace.packages(&["--manifest-path", &manifest.to_string_lossy()])?;
+    let file =
+        packages.iter().find(|package| package["name"] == JOLT).and_then(|found| found["manifest_path"].as_str());
+    let file = PathBuf::from(file.with_context(|| format!("cargo metadata does not tell where {JOLT} is"))?);
+    Ok(file.with_file_name("JoltC").join("JoltPhysics"))
 }

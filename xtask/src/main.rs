@@ -7,9 +7,7 @@ mod command;
 mod csharp;
 mod debian;
 mod declarations;
-mod demo;
 mod dependencies;
-mod engines;
 mod exports;
 mod files;
 mod fuzz;
@@ -145,7 +143,7 @@ fn main() -> ExitCode {
 fn run(command: Command) -> Result<()> {
     let mut workspace = workspace::Workspace::open()?;
     match command {
-        Command::Demo { out, gpu } => demo::run(&workspace, &out, gpu.as_deref()),
+        Command::Demo { out, gpu } => car::demo(&workspace, &out, gpu.as_deref()),
         Command::Test(options) => test::run(&mut workspace, &options),
         Command::Header { keep: true, .. } => abi::keep(&workspace),
         Command::Header { check, .. } => header::run(&workspace, check),

@@ -40,11 +40,11 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
 /// Builds the wheel, installs it beside the packages that its tests need and nothing else, and runs the tests.
 pub fn stage(workspace: &Workspace) -> Result<()> {
     let (python, _) = with_package(workspace, &workspace.target.join("python/dist"))?;
-    let (sh, tests) = (&workspace.shell, workspace.path(PACKAGE).join("tests"));
+    let sh = &workspace.shell;
     // Simulations take one thread each.
     let jobs = jobs().to_string();
     let _no_cache = [sh.push_env("PYTHONDONTWRITEBYTECODE", "1"), sh.push_env("MPLBACKEND", "agg")];
-    cmd!(sh, "{python} -m pytest --quiet -p no:cacheprovider -n {jobs} --durations 5 {tests}").quiet().run()?;
+    cmd!(sh, "{python} -m pytest --quiet -p no:cacheprovider -n {jobs} --durations 5 {PACKAGE}/tests").quiet().run()?;
     Ok(())
 }
 

@@ -11,8 +11,8 @@ use crate::tools::{
 };
 use crate::workspace::Workspace;
 use crate::{
-    abi, blender, car, csharp, demo, engines, exports, fuzz, godot, header, native, nightly, package, platforms,
-    python, repo, rooms, source, valgrind, vulkan, web,
+    abi, blender, car, csharp, exports, fuzz, godot, header, lab, native, nightly, package, platforms, python, repo,
+    rooms, source, valgrind, vulkan, web,
 };
 
 #[derive(Args, Default)]
@@ -105,11 +105,11 @@ const STAGES: &[Stage] = &[
     Stage::new("valgrind-rust", valgrind::rust)
         .shows("valgrind finds no error and no leak in the Rust tests")
         .needs(&[VALGRIND]),
-    Stage::new("engines", engines::stage)
+    Stage::new("engines", lab::engines)
         .shows("every truth's hits thrown in rapier, Bullet and Jolt leave what their blows leave")
         .needs(&[CC, CXX, CMAKE, BULLET])
         .leaves(&["jolt", "throws"]),
-    Stage::new("demo", demo::check).shows("`cargo xtask demo` crashes the car"),
+    Stage::new("demo", car::demo_stage).shows("`cargo xtask demo` crashes the car"),
     Stage::new("car", car::stage)
         .shows("the car's script makes a car: parts, sizes, closed inner solids, normals, symmetry, valid glTF")
         .needs(&[PYTHON3])

@@ -6,13 +6,14 @@ use anyhow::{Context, Result};
 use clap::Args;
 use xshell::cmd;
 
+use crate::car::{self, CRASH};
+use crate::command;
 use crate::files::{copy, copy_tree, empty_directory};
 use crate::install::Profile;
 use crate::package::licenses;
 use crate::target::{self, Target};
 use crate::tools::{self, LLVM, NPM, WEB_RUST};
 use crate::workspace::Workspace;
-use crate::{command, demo};
 
 const PACKAGE: &str = "bindings/web";
 /// The parts of the package's folder that users get.
@@ -59,12 +60,11 @@ pub fn stage(workspace: &Workspace) -> Result<()> {
     let folder = workspace.target.join("web/page");
     lay_out(workspace, &modules, &folder)?;
     let (sh, set) = (&workspace.shell, folder.join(SET));
-    let (impacts, dented) = (workspace.path(demo::CRASH), workspace.target.join("web/dented.glb"));
+    let dented = workspace.target.join("web/dented.glb");
     let program = command::tested(workspace)?;
-    cmd!(sh, "{program} apply {set} --impacts {impacts} -o {dented}").quiet().ignore_stdout().run()?;
-    let tests = workspace.path(PACKAGE).join("test");
-    let (bits, page, module) = (tests.join("node.mjs"), tests.join("page.mjs"), folder.join("crumple/crumple.wasm"));
-    cmd!(sh, "node {bits} {module} {set} {impacts} {dented}").run()?;
+    cmd!(sh, "{program} apply {set} --impacts {CRASH} -o {dented}").quiet().ignore_stdout().run()?;
+    let (page, module) = (workspace.path(PACKAGE).join("test/page.mjs"), folder.join("crumple/crumple.wasm"));
+    cmd!(sh, "node {PACKAGE}/test/node.mjs {module} {set} {CRASH} {dented}").run()?;
     let _there = sh.push_dir(modules.parent().context("the modules are in a folder")?);
     let picture = workspace.target.join("web/page.png");
     cmd!(sh, "node {page} {folder} /usr/bin/chromium {picture}").run()?;
@@ -100,5 +100,5 @@ fn lay_out(workspace: &Workspace, modules: &Path, out: &Path) -> Result<()> {
     for file in DRAWN_WITH {
         copy(&modules.join("three").join(file), &out.join("three").join(file))?;
     }
-    demo::lay_out_car(workspace, out, &[])
+    car::lay_out(workspace, out, &[])
 }
