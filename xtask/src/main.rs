@@ -7,7 +7,6 @@ mod command;
 mod csharp;
 mod debian;
 mod declarations;
-mod dependencies;
 mod exports;
 mod files;
 mod fuzz;

@@ -7,23 +7,22 @@ mod contents;
 pub mod licenses;
 pub mod manifest;
 pub mod markdown;
-mod paths;
 mod symbols;
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use clap::{Args, ValueEnum};
+use memchr::memmem;
 
-use crate::files::{announce, copy_into, empty_directory, files, make};
+use crate::files::{announce, bytes, copy_into, empty_directory, files, make};
 use crate::install::{self, Built, Profile};
 use crate::target::{self, Target};
 use crate::wine::Wine;
-use crate::workspace::Workspace;
+use crate::workspace::{self, Workspace};
 use crate::{command, native, tools};
 
 pub use check::{CLIENT, stage, windows};
-pub use paths::nothing_of_this_machine;
 
 #[derive(Args)]
 pub struct Options {
@@ -144,12 +143,12 @@ fn lay_out(workspace: &Workspace, parts: &Parts) -> Result<(PathBuf, PathBuf)> {
     }
     symbols::separate(workspace, parts, &folder, &debug)?;
     let linked = licenses::linked(workspace, parts)?;
-    paths::nothing_unlicensed(parts, &folder, &linked, &target.standard_packages(workspace)?)?;
+    licenses::nothing_unlicensed(parts, &folder, &linked, &target.standard_packages(workspace)?)?;
     licenses::write_all(workspace, &linked, &folder)?;
     contents::copy_all(workspace, parts, &folder)?;
     let mut all = files(&folder)?;
     all.retain(|file| parts.handed_out || file.parent() != Some(&*folder.join("bin")));
-    paths::nothing_of_this_machine(workspace, &all)?;
+    nothing_of_this_machine(workspace, &all)?;
     manifest::write_of(workspace, parts, &folder)?;
     Ok((folder, debug))
 }
@@ -174,4 +173,17 @@ fn time(workspace: &Workspace) -> Result<u64> {
     }
     let seconds = workspace.git(&["log", "-1", "--format=%ct"])?;
     Ok(seconds.trim().parse()?)
+}
+
+/// Fails if a file contains the path of a folder of this machine.
+pub fn nothing_of_this_machine(workspace: &Workspace, files: &[PathBuf]) -> Result<()> {
+    let known = [workspace.root.clone(), workspace.target.clone(), workspace::cargo_home()?, workspace.sysroot()?];
+    for file in files {
+        let bytes = bytes(file)?;
+        for path in known.iter().map(|path| path.to_string_lossy()) {
+            let found = memmem::find(&bytes, path.as_bytes());
+            ensure!(found.is_none(), "{} names {path}, a folder of this machine", file.display());
+        }
+    }
+    Ok(())
 }

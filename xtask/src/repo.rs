@@ -6,8 +6,9 @@ use std::fs;
 use anyhow::{Context, Result, bail, ensure};
 
 use crate::files::{files, files_of, read, within, write};
+use crate::package::licenses;
 use crate::workspace::Workspace;
-use crate::{abi, declarations, dependencies};
+use crate::{abi, declarations};
 
 /// The most bytes of meshes, fixtures and pictures together, of the lab's figures, which `cargo xtask lab` writes, and of its
 /// reference data.
@@ -52,7 +53,7 @@ pub fn run(workspace: &Workspace, fix: bool) -> Result<()> {
     metas(workspace, fix)?;
     versions(workspace)?;
     unsafe_blocks(workspace, fix)?;
-    dependencies::run(workspace, RELIABILITY, fix)?;
+    licenses::check_table(workspace, RELIABILITY, fix)?;
     called(workspace)?;
     messages(workspace)
 }

@@ -1,17 +1,19 @@
 //! `THIRD-PARTY-LICENSES.txt`: every package that is linked, and the full text of its license, each text once. cargo-about does the
-//! same, but would add 150 packages to the build of this helper, and it does not look into the libraries (`paths::nothing_unlicensed`).
+//! same, but would add 150 packages to the build of this helper, and it does not look into the libraries. The table of docs/reliability.md
+//! with all of them, and what must hold for them: cargo-deny checks the same and more, but takes longer to build than this repository.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
+use memchr::memmem;
 
-use super::{Flavour, Parts};
-use crate::command;
-use crate::files::{copy, name, read, write};
+use super::{FULL, Flavour, Parts, SLIM};
+use crate::files::{bytes, copy, files, files_of, name, read, write};
 use crate::target::Target;
-use crate::workspace::Workspace;
+use crate::workspace::{self, Workspace};
+use crate::{command, repo};
 
 pub const FILE: &str = "THIRD-PARTY-LICENSES.txt";
 /// The licenses of Rust's standard library, from Rust's distribution.
@@ -22,6 +24,12 @@ const SUPPLIED: &str = "xtask/package/licenses";
 /// The names of files with license texts begin with these.
 const BEGINNINGS: &[&str] = &["license", "licence", "copying", "unlicense", "notice", "copyright"];
 const RULE: &str = "================================================================================";
+
+/// Around the table of docs/reliability.md with every package that the C library links.
+const BEGIN: &str = "<!-- written by cargo xtask repo --fix -->\n";
+const END: &str = "<!-- end -->\n";
+/// Licenses under which everyone may ship a library, each with its text.
+const ALLOWED: &[&str] = &["Apache-2.0", "BSD-2-Clause", "BSD-3-Clause", "MIT", "Zlib"];
 
 /// A package whose code is in the archive.
 pub struct Linked {
@@ -48,7 +56,7 @@ pub fn linked(workspace: &Workspace, parts: &Parts) -> Result<Vec<Linked>> {
 }
 
 /// The packages that the flavour's library links on any system.
-pub fn library(workspace: &Workspace, flavour: &Flavour) -> Result<Vec<Linked>> {
+fn library(workspace: &Workspace, flavour: &Flavour) -> Result<Vec<Linked>> {
     known(workspace, library_tree(workspace, flavour, "all")?, &["--all-features"])
 }
 
@@ -169,6 +177,86 @@ fn texts_of(package: &Linked, supplied: &Path, apache: &str) -> Result<Vec<Strin
     )
 }
 
+/// Fails if a library of an archive contains code of a package that is neither in `linked` nor, as `NAME-VERSION`, in `standard`. The
+/// source paths in panic messages name the packages. The tests' debug build of the command has the tests' features.
+pub fn nothing_unlicensed(parts: &Parts, folder: &Path, linked: &[Linked], standard: &[String]) -> Result<()> {
+    let linked = linked.iter().map(|package| format!("{}-{}", package.name, package.version));
+    let known: BTreeSet<String> = linked.chain(standard.iter().cloned()).collect();
+    let (separators, mut libraries) = (b"/\\", 0);
+    let all = files(&folder.join("lib"))?.into_iter().chain(files(&folder.join("bin")).unwrap_or_default());
+    for file in all {
+        if !parts.handed_out && name(&file)? == parts.library.target.program("crumple") {
+            continue;
+        }
+        let bytes = bytes(&file)?;
+        let mut named = 0;
+        for at in memmem::find_iter(&bytes, workspace::SOURCES) {
+            let Some((first, rest)) = bytes[at + workspace::SOURCES.len()..].split_first() else { continue };
+            let end = rest.iter().take(100).position(|byte| separators.contains(byte));
+            let Some(end) = end.filter(|_| separators.contains(first)) else { continue };
+            let package = String::from_utf8_lossy(&rest[..end]);
+            if !known.contains(&*package) {
+                bail!("{} holds code of {package}, which cargo tree does not say it is linked with", file.display());
+            }
+            named += 1;
+        }
+        libraries += usize::from(named > 0);
+    }
+    ensure!(libraries > 0, "no library names a source in {}: was it built for this?", workspace::SOURCES);
+    Ok(())
+}
+
+/// Compares the table in `page` with what Cargo says, or writes it.
+pub fn check_table(workspace: &Workspace, page: &str, fix: bool) -> Result<()> {
+    let full = library(workspace, &FULL)?;
+    let slim = library(workspace, &SLIM)?;
+    let slim: BTreeSet<&str> = slim.iter().map(|package| package.name.as_str()).collect();
+    let mut versions: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    let mut table =
+        String::from("| package | slim | license | kept at | lines with `unsafe` |\n|---|---|---|---|---|\n");
+    for package in &full {
+        ensure!(
+            offers(&package.license, ALLOWED),
+            "{} is under {}, which none of {ALLOWED:?} fulfils",
+            package.name,
+            package.license
+        );
+        ensure!(package.from_crates_io, "{} does not come from crates.io", package.name);
+        versions.entry(&package.name).or_default().push(&package.version);
+        table += &row(package, slim.contains(package.name.as_str()))?;
+    }
+    versions.retain(|_, versions| versions.len() > 1);
+    ensure!(versions.is_empty(), "linked in several versions: {versions:?}");
+
+    repo::passage(workspace, fix, page, [BEGIN, END], &table)?;
+    println!("{page} lists the {} packages that the library links; each may be shipped", full.len());
+    Ok(())
+}
+
+fn row(package: &Linked, slim: bool) -> Result<String> {
+    let Linked { name, version, license, repository, directory, .. } = package;
+    let mut lines = 0;
+    for file in files_of(&directory.join("src"), &["rs"])? {
+        lines += unsafe_lines(&read(&file)?);
+    }
+    let home = repository.trim_start_matches("https://").trim_end_matches(".git").trim_end_matches('/');
+    let (slim, license) = (if slim { "yes" } else { "no" }, license.replace('/', " OR "));
+    Ok(format!("| {name} {version} | {slim} | {license} | {home} | {lines} |\n"))
+}
+
+/// Lines of code in which the keyword stands. Comments at the end of a line do not count, and neither does `unsafe_code`.
+fn unsafe_lines(text: &str) -> usize {
+    let word = |letter: char| !letter.is_alphanumeric() && letter != '_';
+    let code = text.lines().filter_map(|line| line.split("//").next());
+    code.filter(|code| code.split(word).any(|word| word == "unsafe")).count()
+}
+
+/// Whether one of the choices in an SPDX expression asks only for these licenses.
+fn offers(expression: &str, allowed: &[&str]) -> bool {
+    let choices = expression.split(" OR ").flat_map(|part| part.split('/'));
+    choices.map(str::trim).any(|choice| choice.split(" AND ").all(|license| allowed.contains(&license)))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -199,6 +287,16 @@ mod tests {
         for license in ["MIT", "Apache-2.0 AND MIT", "Apache-2.0 WITH LLVM-exception"] {
             let error = texts(license, &[]).unwrap_err().to_string();
             assert!(error.contains("denty 1.2.0") && error.contains("denty.txt"), "{error}");
+        }
+    }
+
+    #[test]
+    fn one_allowed_choice_is_enough() {
+        for expression in ["MIT", "GPL-3.0 OR MIT", "MIT/Unlicense", "MIT AND Zlib"] {
+            assert!(offers(expression, &["MIT", "Zlib"]), "{expression}");
+        }
+        for expression in ["GPL-3.0", "GPL-3.0 AND MIT", "", "see its text"] {
+            assert!(!offers(expression, &["MIT", "Zlib"]), "{expression}");
         }
     }
 }
