@@ -16,7 +16,7 @@ use crate::stage::all_passed;
 use crate::target::{self, Target};
 use crate::tools::{self, MINGW, WINDOWS_RUST};
 use crate::wine::Display;
-use crate::workspace::Workspace;
+use crate::workspace::{Background, Workspace};
 use crate::{car, debian, vulkan};
 
 const BINDING: &str = "bindings/godot";
@@ -194,13 +194,9 @@ impl<'a> Tests<'a> {
         let port = UdpSocket::bind("127.0.0.1:0")?.local_addr()?.port().to_string();
         let scene = ["--headless", "res://tests/network.tscn"];
         let mut server = Command::from(self.engine(&scene, &["--", "server", &port]));
-        let mut server = server.spawn().context("starting the server")?;
-        let client = self.run(&scene, &["--", "client", &port]);
-        if client.is_err() {
-            let _ = server.kill();
-        }
-        let ended = server.wait()?;
-        client?;
+        let mut server = Background(server.spawn().context("starting the server")?);
+        self.run(&scene, &["--", "client", &port])?;
+        let ended = server.0.wait()?;
         ensure!(ended.success(), "the server ends with {ended}");
         Ok(())
     }

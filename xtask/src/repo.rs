@@ -6,7 +6,7 @@ use std::fs;
 use anyhow::{Context, Result, bail, ensure};
 
 use crate::files::{files, files_of, read, within, write};
-use crate::package::licenses;
+use crate::package::{licenses, manifest::sha256};
 use crate::workspace::Workspace;
 use crate::{abi, declarations};
 
@@ -44,7 +44,11 @@ const PLUGINS: &str = "Plugins/x86_64/";
 
 pub fn run(workspace: &Workspace, fix: bool) -> Result<()> {
     sizes(workspace)?;
-    quickstart(workspace)?;
+    let lines = read(&workspace.path(FIRST_DENT))?.lines().count();
+    ensure!(
+        lines < FIRST_DENT_LINES,
+        "{FIRST_DENT} has {lines} lines; at most {FIRST_DENT_LINES} are for a first program"
+    );
     for (file, page, language) in SHOWN {
         let (begin, end) = (format!("<!-- {file} -->\n```{language}\n"), format!("```\n<!-- end of {file} -->"));
         passage(workspace, fix, page, [&begin, &end], &read(&workspace.path(file))?)?;
@@ -89,15 +93,6 @@ fn sizes(workspace: &Workspace) -> Result<()> {
         );
         println!("{folders}: {:.1} MB of {} allowed", total as f64 / 1e6, limit / 1_000_000);
     }
-    Ok(())
-}
-
-fn quickstart(workspace: &Workspace) -> Result<()> {
-    let lines = read(&workspace.path(FIRST_DENT))?.lines().count();
-    ensure!(
-        lines < FIRST_DENT_LINES,
-        "{FIRST_DENT} has {lines} lines; a first program should have under {FIRST_DENT_LINES}"
-    );
     Ok(())
 }
 
@@ -215,9 +210,10 @@ fn metas(workspace: &Workspace, fix: bool) -> Result<()> {
             continue;
         }
         if !path.exists() {
-            // Unity adds the importer's settings when it first sees the asset.
-            let text = format!("fileFormatVersion: 2\nguid: {}\n", guid_of(asset));
-            write(&path, text)?;
+            // No other asset has this guid, and it is the same for whoever writes it. Unity adds the importer's settings when it first sees
+            // the asset.
+            let guid = &sha256(format!("com.crumple.crumple/{asset}").as_bytes())[..32];
+            write(&path, format!("fileFormatVersion: 2\nguid: {guid}\n"))?;
             println!("wrote {}", path.display());
         }
         let text = read(&path)?;
@@ -234,16 +230,6 @@ fn metas(workspace: &Workspace, fix: bool) -> Result<()> {
     ensure!(orphans.is_empty(), "{PACKAGE}: {} have .meta files and are not there", orphans.join(", "));
     println!("{PACKAGE}: {} assets with .meta files", guids.len());
     Ok(())
-}
-
-/// 128 bits of FNV-1a over the path: no other asset has it, and it is the same for whoever writes it.
-fn guid_of(asset: &str) -> String {
-    let prime = (1 << 88) + 0x13b;
-    let bytes = b"com.crumple.crumple/".iter().chain(asset.as_bytes());
-    let hash = bytes.fold(0x6c62_272e_07bb_0142_62b8_2175_6295_c58d_u128, |hash, byte| {
-        (hash ^ u128::from(*byte)).wrapping_mul(prime)
-    });
-    format!("{hash:032x}")
 }
 
 #[cfg(test)]

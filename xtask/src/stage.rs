@@ -3,13 +3,13 @@
 
 use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 use std::time::Instant;
 
 use anyhow::{Result, bail, ensure};
 
 use crate::tools::{self, Tool};
-use crate::workspace::Workspace;
+use crate::workspace::{Background, Workspace};
 
 pub struct Stage {
     pub name: &'static str,
@@ -102,27 +102,14 @@ struct Row {
     reason: String,
 }
 
-/// A process that compiles, and gives way to every other.
-struct Ahead(Option<Child>);
-
-impl Ahead {
-    /// Without the `nice` command it does nothing, and stages compile for themselves.
-    fn start() -> Self {
-        let program = std::env::current_exe().unwrap_or_default();
-        let mut command = Command::new("nice");
-        // A stage whose build fails says so.
-        command.args(["-n", "19"]).arg(program).arg("ahead").stdout(Stdio::null()).stderr(Stdio::null());
-        Self(command.spawn().ok())
-    }
-}
-
-impl Drop for Ahead {
-    fn drop(&mut self) {
-        if let Some(child) = &mut self.0 {
-            let _ = child.kill();
-            let _ = child.wait();
-        }
-    }
+/// Starts a process that compiles, and gives way to every other. Without the `nice` command there is none, and stages compile for
+/// themselves.
+fn compile_ahead() -> Option<Background> {
+    let program = std::env::current_exe().ok()?;
+    let mut command = Command::new("nice");
+    // A stage whose build fails says so.
+    command.args(["-n", "19"]).arg(program).arg("ahead").stdout(Stdio::null()).stderr(Stdio::null());
+    command.spawn().ok().map(Background)
 }
 
 /// Runs `stages` in order, prints the closing table, and fails if any stage failed.
@@ -130,7 +117,7 @@ pub fn run_all(workspace: &Workspace, stages: &[&Stage], rules: Rules) -> Result
     let used = |tool: &&Tool| workspace.all || !tools::FOR_ALL.contains(tool);
     let wanted = |stage: &&Stage| stage.needs.iter().chain(stage.wants.iter().filter(used));
     let missing = tools::provide(workspace, stages.iter().flat_map(wanted))?;
-    let _ahead = rules.ahead.then(Ahead::start);
+    let _ahead = rules.ahead.then(compile_ahead);
     let rows = run_each(stages, rules, |stage| {
         let left_out = run_one(workspace, stage, &missing)?;
         for folder in stage.leaves.iter().filter(|_| rules.tidy) {

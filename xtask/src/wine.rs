@@ -3,14 +3,14 @@
 
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result};
 use xshell::{PushEnv, cmd};
 
 use crate::files::empty_directory;
 use crate::target::{Target, WINDOWS};
-use crate::workspace::Workspace;
+use crate::workspace::{Background, Workspace};
 
 /// Where distributions put it. Debian has it outside of PATH.
 pub const PROGRAMS: &[&str] = &["/usr/lib/wine/wine64", "/usr/bin/wine64", "/usr/bin/wine"];
@@ -69,11 +69,11 @@ impl Drop for Wine<'_> {
     }
 }
 
-/// A display without a screen. It ends when it is dropped.
+/// A display without a screen.
 pub struct Display {
     /// What `DISPLAY` says of it.
     pub name: String,
-    server: Child,
+    _server: Background,
 }
 
 impl Display {
@@ -83,13 +83,6 @@ impl Display {
         let mut server = server.stdout(Stdio::piped()).spawn().context("starting Xvfb")?;
         let mut number = String::new();
         BufReader::new(server.stdout.take().context("Xvfb has an output")?).read_line(&mut number)?;
-        Ok(Self { name: format!(":{}", number.trim()), server })
-    }
-}
-
-impl Drop for Display {
-    fn drop(&mut self) {
-        let _ = self.server.kill();
-        let _ = self.server.wait();
+        Ok(Self { name: format!(":{}", number.trim()), _server: Background(server) })
     }
 }

@@ -3,7 +3,7 @@
 use std::cell::{Cell, RefCell};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Child, Command};
 
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
@@ -163,6 +163,16 @@ pub fn cargo_home() -> Result<PathBuf> {
     }
     let home = std::env::home_dir().context("there is neither CARGO_HOME nor a home directory")?;
     Ok(home.join(".cargo"))
+}
+
+/// A process that ends when this is dropped.
+pub struct Background(pub Child);
+
+impl Drop for Background {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
 }
 
 /// The number of cores.
