@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use anyhow::{Result, bail, ensure};
+use anyhow::{Context, Result};
 use xshell::cmd;
 
 use crate::files::empty_directory;
@@ -36,34 +36,33 @@ const C_PROGRAMS: &[(&str, &[&str])] = &[
     ("times", &["300"]),
 ];
 
-/// What installs it.
+/// What installs the toolchain.
 const INSTALL: &str = "rustup toolchain install nightly --component rust-src,miri";
 
-/// Whether the toolchain has what both need; rustup is asked for it first.
-fn available(workspace: &Workspace) -> bool {
+/// An error unless the toolchain has what all need; rustup is asked for it first.
+fn available(workspace: &Workspace) -> Result<()> {
     let sh = &workspace.shell;
-    let quiet = |command: xshell::Cmd<'_>| command.quiet().ignore_stderr().ignore_stdout().run().is_ok();
+    let quiet = |command: xshell::Cmd<'_>| command.quiet().ignore_stderr().ignore_stdout().run();
     quiet(cmd!(sh, "rustup component add --toolchain nightly rust-src miri"))
-        && quiet(cmd!(sh, "rustup run nightly cargo miri --version"))
+        .and_then(|()| quiet(cmd!(sh, "rustup run nightly cargo miri --version")))
+        .context(LeftOut::NotApplicable(format!("there is no nightly toolchain with the library's source: {INSTALL}")))
 }
 
 /// Runs the tests of threads under ThreadSanitizer, with a standard library that is instrumented too.
 pub fn threads(workspace: &Workspace) -> Result<()> {
-    if !available(workspace) {
-        let reason = format!("there is no nightly toolchain with the library's source: {INSTALL}");
-        bail!(LeftOut::NotApplicable(reason));
-    }
+    available(workspace)?;
     sanitized(workspace, "thread", &[&["--"][..], &THREADED].concat())
 }
 
 /// Builds what [`threads`] runs.
 pub fn build(workspace: &Workspace) -> Result<()> {
-    if available(workspace) { sanitized(workspace, "thread", &["--no-run"]) } else { Ok(()) }
+    available(workspace)?;
+    sanitized(workspace, "thread", &["--no-run"])
 }
 
 /// Runs the unit tests and C programs under MemorySanitizer, which finds reads of memory that nobody wrote.
 pub fn memory(workspace: &Workspace) -> Result<()> {
-    ensure!(available(workspace), "MemorySanitizer is not there: {INSTALL}");
+    available(workspace)?;
     sanitized(workspace, "memory", &["--"])?;
 
     let sh = &workspace.shell;
@@ -121,7 +120,7 @@ fn flags(sanitizer: &str) -> String {
 
 /// Runs unit tests in Miri, which finds undefined behaviour that no processor shows.
 pub fn miri(workspace: &Workspace) -> Result<()> {
-    ensure!(available(workspace), "Miri is not there: {INSTALL}");
+    available(workspace)?;
     let home = workspace.target.join("miri");
     let arguments = ["--package", "crumple", "--lib", "--target-dir"];
     cmd!(

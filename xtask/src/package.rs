@@ -12,7 +12,7 @@ mod symbols;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use memchr::memmem;
 
 use crate::files::{announce, bytes, copy_into, empty_directory, files, make};
@@ -26,9 +26,10 @@ pub use check::{CLIENT, stage, windows};
 
 #[derive(Args)]
 pub struct Options {
-    /// Which archives
-    #[arg(long, value_enum, default_value = "all")]
-    flavour: Choice,
+    /// Which archives: slim for shipping with a game (it reads baked sets only, and has no command), full with the importers of glTF and
+    /// OBJ and the `crumple` command
+    #[arg(long, value_parser = ["slim", "full", "all"], default_value = "all")]
+    flavour: String,
     /// Folder for the archives
     #[arg(long, value_name = "DIR", default_value = "out/package")]
     out: PathBuf,
@@ -38,15 +39,6 @@ pub struct Options {
     /// Make the archives for Windows on Linux, with MinGW
     #[arg(long)]
     windows: bool,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Choice {
-    /// For shipping with a game: reads baked sets only, no command
-    Slim,
-    /// Importers of glTF and OBJ, and the `crumple` command
-    Full,
-    All,
 }
 
 pub struct Flavour {
@@ -90,12 +82,7 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
     if target.cross {
         tools::require(workspace, tools::FOR_WINDOWS)?;
     }
-    let flavours: &[&Flavour] = match options.flavour {
-        Choice::Slim => &[&SLIM],
-        Choice::Full => &[&FULL],
-        Choice::All => &[&SLIM, &FULL],
-    };
-    for flavour in flavours {
+    for flavour in [&SLIM, &FULL].into_iter().filter(|flavour| ["all", flavour.name].contains(&&*options.flavour)) {
         let parts = build(workspace, flavour, &target)?;
         let archive = pack(workspace, &parts, &out)?;
         if options.check && target.cross {

@@ -184,22 +184,16 @@ pub fn run(workspace: &mut Workspace, options: &Options) -> Result<()> {
         }
     }
     let everybodys = |stage: &&Stage| FOR_EVERYBODY.contains(&stage.name);
-    let stages: Vec<&Stage> = if !options.only.is_empty() {
-        every().filter(|stage| options.only.iter().any(|name| name == stage.name)).collect()
-    } else if options.all {
-        STAGES.iter().collect()
-    } else {
-        STAGES.iter().filter(everybodys).collect()
+    let stages: Vec<&Stage> = match (options.only.is_empty(), options.all) {
+        (false, _) => every().filter(|stage| options.only.iter().any(|name| name == stage.name)).collect(),
+        (true, true) => STAGES.iter().collect(),
+        (true, false) => STAGES.iter().filter(everybodys).collect(),
     };
     workspace.all = options.all || !stages.iter().all(everybodys);
     let in_ci = std::env::var("CI").is_ok_and(|value| value == "true" || value == "1");
-    let require_all = options.require_all || in_ci;
+    let (require_all, fail_fast) = (options.require_all || in_ci, options.fail_fast);
     let ahead = options.all && options.only.is_empty();
-    stage::run_all(
-        workspace,
-        &stages,
-        Rules { require_all, fail_fast: options.fail_fast, retry: in_ci, tidy: false, ahead },
-    )
+    stage::run_all(workspace, &stages, Rules { require_all, fail_fast, retry: in_ci, tidy: false, ahead })
 }
 
 /// `cargo xtask ci`: runs every check and every test. A missing program fails its stage.

@@ -18,8 +18,8 @@ use crate::{command, repo};
 pub const FILE: &str = "THIRD-PARTY-LICENSES.txt";
 /// The licenses of Rust's standard library, from Rust's distribution.
 pub const STANDARD_LIBRARY: &str = "RUST-STANDARD-LIBRARY-LICENSES.html";
-/// `NAME.txt`: license texts from the repositories of packages that were published without one, and `LICENSE.txt`: texts that are
-/// the same for everyone.
+/// `REPOSITORY.txt`: license texts from the repositories of packages that were published without one, and `LICENSE.txt`: texts that
+/// are the same for everyone.
 const SUPPLIED: &str = "xtask/package/licenses";
 /// The names of files with license texts begin with these.
 const BEGINNINGS: &[&str] = &["license", "licence", "copying", "unlicense", "notice", "copyright"];
@@ -146,7 +146,7 @@ pub fn write_all(workspace: &Workspace, linked: &[Linked], folder: &Path) -> Res
 
 /// The license texts of a package: its own files, or the supplied text, or Apache's text if the package offers that license.
 fn texts_of(package: &Linked, supplied: &Path, apache: &str) -> Result<Vec<String>> {
-    let Linked { version, license, directory, .. } = package;
+    let Linked { version, license, directory, repository, .. } = package;
     let mut texts = Vec::new();
     let entries = fs::read_dir(directory).with_context(|| format!("reading {}", directory.display()))?;
     let mut files: Vec<PathBuf> = entries.map(|entry| Ok(entry?.path())).collect::<Result<_>>()?;
@@ -161,19 +161,19 @@ fn texts_of(package: &Linked, supplied: &Path, apache: &str) -> Result<Vec<Strin
     if !texts.is_empty() {
         return Ok(texts);
     }
-    let own = &package.name;
+    let own = repository.trim_end_matches(".git").rsplit('/').next().unwrap_or_default();
     for supplied in [format!("{own}.txt"), format!("{license}.txt")].map(|file| supplied.join(file)) {
         if supplied.exists() {
             return Ok(vec![read(&supplied)?]);
         }
     }
-    let offered: Vec<&str> = license.split(" OR ").flat_map(|part| part.split('/')).map(str::trim).collect();
-    if offered.contains(&"Apache-2.0") {
+    if offers(license, &["Apache-2.0"]) {
         return Ok(vec![apache.to_owned()]);
     }
     bail!(
-        "{own} {version} ({license}) is linked and was published without the text of its license; \
-         put what its authors' repository has into {SUPPLIED}/{own}.txt"
+        "{} {version} ({license}) is linked and was published without the text of its license; \
+         put what its authors' repository has into {SUPPLIED}/{own}.txt",
+        package.name
     )
 }
 
@@ -268,7 +268,8 @@ mod tests {
         for (name, text) in files {
             fs::write(directory.join(name), text).unwrap();
         }
-        let (name, version, repository) = ("denty".into(), "1.2.0".into(), String::new());
+        let (name, version, repository) =
+            ("denty".into(), "1.2.0".into(), "https://example.org/dents/denty.git".into());
         let package = Linked { name, version, license: license.into(), repository, from_crates_io: true, directory };
         texts_of(&package, scratch.path(), "the Apache text")
     }
