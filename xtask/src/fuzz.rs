@@ -14,14 +14,9 @@ use crate::vulkan;
 use crate::workspace::{Workspace, jobs, side_by_side};
 
 /// Instruments the code for libFuzzer's coverage.
-const COVERAGE: &[&str] = &[
-    "-Cpasses=sancov-module",
-    "-Cllvm-args=-sanitizer-coverage-level=4",
-    "-Cllvm-args=-sanitizer-coverage-inline-8bit-counters",
-    "-Cllvm-args=-sanitizer-coverage-pc-table",
-    "-Cllvm-args=-sanitizer-coverage-trace-compares",
-    "--cfg=fuzzing",
-];
+const COVERAGE: &str = "--cfg=fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 \
+                        -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table \
+                        -Cllvm-args=-sanitizer-coverage-trace-compares";
 
 /// What CI gives to each target, s.
 const STAGE_SECONDS: u32 = 10;
@@ -221,7 +216,7 @@ fn build(workspace: &Workspace, home: &Path, options: &Options) -> Result<PathBu
     let host = workspace.rustc("host")?;
     let manifest = workspace.path("fuzz/Cargo.toml");
     let (address, profile) = (options.address, &options.profile);
-    let flags = [COVERAGE, if address { &["-Zsanitizer=address"] } else { &[] }].concat().join(" ");
+    let flags = if address { format!("{COVERAGE} -Zsanitizer=address") } else { COVERAGE.to_owned() };
     // --target keeps build scripts and macros free of instrumentation.
     let arguments = ["--profile", profile, "--target", &host];
     let mut build = cmd!(workspace.shell, "cargo build --manifest-path {manifest} --target-dir {home} {arguments...}")

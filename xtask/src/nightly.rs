@@ -24,17 +24,7 @@ const TOO_LONG: [&str; 2] = ["--skip", "a_slot_is_retired"];
 
 /// C programs and their arguments. Those that need C++, Vulkan or another library are left out: what uninstrumented libraries write
 /// would be reported.
-const C_PROGRAMS: &[(&str, &[&str])] = &[
-    ("allocator", &[]),
-    ("bad_input", &[]),
-    ("bodies", &[]),
-    ("buffers", &[]),
-    ("files", &["FIXTURES", "."]),
-    ("memory", &[]),
-    ("soak", &["2"]),
-    ("threads", &[]),
-    ("times", &["300"]),
-];
+const C_PROGRAMS: &str = "allocator, bad_input, bodies, buffers, files FIXTURES ., memory, soak 2, threads, times 300";
 
 /// What installs the toolchain.
 const INSTALL: &str = "rustup toolchain install nightly --component rust-src,miri";
@@ -78,19 +68,20 @@ pub fn memory(workspace: &Workspace) -> Result<()> {
     let library = home.join(&host).join("debug/libcrumple.a");
     let sysroot = cmd!(sh, "rustup run nightly rustc --print sysroot").quiet().read()?;
     let runtime = Path::new(&sysroot).join("lib/rustlib").join(&host).join("lib/librustc-nightly_rt.msan.a");
-    let (include, fixtures) = (workspace.path("include"), workspace.path("tests/fixtures"));
-    let programs = home.join("c");
+    let (include, programs) = (workspace.path("include"), home.join("c"));
     empty_directory(&programs)?;
     let _there = sh.push_dir(&programs);
-    for (name, arguments) in C_PROGRAMS {
+    for program in C_PROGRAMS.split(", ") {
+        let program = program.replace("FIXTURES", &workspace.path("tests/fixtures").to_string_lossy());
+        let mut words = program.split(' ');
+        let name = words.next().unwrap_or_default();
         let (source, object) = (workspace.path("tests/c").join(name).with_extension("c"), format!("{name}.o"));
         let c = ["-std=c99", "-O1", "-g", "-fsanitize=memory", "-fno-sanitize-memory-param-retval"];
         cmd!(sh, "clang {c...} -D_POSIX_C_SOURCE=200809L -I {include} -c {source}").quiet().run()?;
         // Rust's runtime, because clang's may be older than the compiler of the library.
         let rest = ["-Wl,--no-whole-archive", "-Wl,--export-dynamic", "-lm", "-lpthread", "-ldl", "-lrt", "-o", name];
         cmd!(sh, "clang {object} {library} -Wl,--whole-archive {runtime} {rest...}").quiet().run()?;
-        let arguments = arguments.iter().map(|argument| argument.replace("FIXTURES", &fixtures.display().to_string()));
-        cmd!(sh, "./{name}").args(arguments).run()?;
+        cmd!(sh, "./{name}").args(words).run()?;
     }
     Ok(())
 }

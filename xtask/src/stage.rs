@@ -248,23 +248,10 @@ impl Verdict {
 mod tests {
     use super::*;
 
-    const fn stage(name: &'static str) -> Stage {
-        Stage::new(name, |_| Ok(()))
-    }
-
-    const STAGES: &[&Stage] = &[
-        &stage("good"),
-        &stage("bad"),
-        &stage("partial"),
-        &stage("absent"),
-        &stage("untagged"),
-        &stage("unsteady"),
-        &stage("panics"),
-    ];
-
     fn verdicts(rules: Rules) -> Vec<Verdict> {
-        let mut tries = 0;
-        let rows = run_each(STAGES, rules, |stage| match stage.name {
+        let names = ["good", "bad", "partial", "absent", "untagged", "unsteady", "panics"];
+        let (stages, mut tries) = (names.map(|name| Stage::new(name, |_| Ok(()))), 0);
+        let rows = run_each(&stages.each_ref(), rules, |stage| match stage.name {
             "good" => Ok(None),
             "bad" => bail!("two is not three\nand more"),
             "partial" => Ok(Some("no ODE".into())),

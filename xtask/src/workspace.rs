@@ -12,16 +12,10 @@ use xshell::{Shell, cmd};
 use crate::files::{copy, copy_into};
 
 /// The packages and features of every test build with `--all`. Cargo builds another library for each other choice.
-const ALL_TESTED: &[&str] = &[
-    "--package",
-    "crumple",
-    "--package",
-    "crumple-lab",
-    "--features",
-    "crumple/cli,crumple/host-allocator,crumple/wgpu,crumple-lab/engines,crumple-lab/gpu",
-];
+const ALL_TESTED: &str = "--package crumple --package crumple-lab --features \
+                          crumple/cli,crumple/host-allocator,crumple/wgpu,crumple-lab/engines,crumple-lab/gpu";
 /// Without `--all`.
-const TESTED: &[&str] = &["--package", "crumple", "--features", "crumple/cli,crumple/host-allocator"];
+const TESTED: &str = "--package crumple --features crumple/cli,crumple/host-allocator";
 
 pub struct Workspace {
     pub root: PathBuf,
@@ -128,8 +122,8 @@ impl Workspace {
     }
 
     /// The packages and features of this run's test builds.
-    fn tested(&self) -> &'static [&'static str] {
-        if self.all { ALL_TESTED } else { TESTED }
+    fn tested(&self) -> impl Iterator<Item = &'static str> {
+        if self.all { ALL_TESTED } else { TESTED }.split(' ')
     }
 
     /// `cargo build` with the features of the tests; `arguments` choose what to build. A test is built along: without one Cargo leaves
