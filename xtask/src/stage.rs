@@ -116,7 +116,7 @@ fn compile_ahead() -> Option<Background> {
 pub fn run_all(workspace: &Workspace, stages: &[&Stage], rules: Rules) -> Result<()> {
     let used = |tool: &&Tool| workspace.all || !tools::FOR_ALL.contains(tool);
     let wanted = |stage: &&Stage| stage.needs.iter().chain(stage.wants.iter().filter(used));
-    let missing = tools::provide(workspace, stages.iter().flat_map(wanted))?;
+    let missing = tools::provide(workspace, stages.iter().flat_map(wanted));
     let _ahead = rules.ahead.then(compile_ahead);
     let rows = run_each(stages, rules, |stage| {
         let left_out = run_one(workspace, stage, &missing)?;

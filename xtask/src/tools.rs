@@ -139,7 +139,7 @@ impl Tool {
 }
 
 /// Installs the missing tools of `wanted` on Debian and its derivatives, as root or by sudo. Returns the tools that are still missing.
-pub fn provide<'t>(workspace: &Workspace, wanted: impl IntoIterator<Item = &'t Tool>) -> Result<Vec<Tool>> {
+pub fn provide<'t>(workspace: &Workspace, wanted: impl IntoIterator<Item = &'t Tool>) -> Vec<Tool> {
     let mut missing: Vec<Tool> = wanted.into_iter().copied().collect();
     missing.sort();
     missing.dedup();
@@ -168,12 +168,12 @@ pub fn provide<'t>(workspace: &Workspace, wanted: impl IntoIterator<Item = &'t T
     if !missing.is_empty() {
         println!("{}", advice(&missing));
     }
-    Ok(missing)
+    missing
 }
 
 /// Installs missing tools, and fails if one is still missing.
 pub fn require(workspace: &Workspace, wanted: &[Tool]) -> Result<()> {
-    let missing = provide(workspace, wanted)?;
+    let missing = provide(workspace, wanted);
     ensure!(missing.is_empty(), "{}", advice(&missing));
     Ok(())
 }

@@ -22,18 +22,9 @@ const INTERFACE: &[&str] = &["package.json", "README.md", "crumple.js", "crumple
 const THREE: &str = "three@0.180.0";
 const DRIVER: &str = "playwright-core@1.56.1";
 /// The parts of three.js that the page loads.
-const DRAWN_WITH: &[&str] = &[
-    "LICENSE",
-    "build/three.module.js",
-    "build/three.core.js",
-    "examples/jsm/controls/OrbitControls.js",
-    "examples/jsm/environments/RoomEnvironment.js",
-    "examples/jsm/libs/meshopt_decoder.module.js",
-    "examples/jsm/loaders/GLTFLoader.js",
-    "examples/jsm/utils/BufferGeometryUtils.js",
-];
-/// The page's baked set.
-const SET: &str = "car.crumple";
+const DRAWN_WITH: &str = "LICENSE build/three.module.js build/three.core.js examples/jsm/controls/OrbitControls.js \
+                          examples/jsm/environments/RoomEnvironment.js examples/jsm/libs/meshopt_decoder.module.js \
+                          examples/jsm/loaders/GLTFLoader.js examples/jsm/utils/BufferGeometryUtils.js";
 
 #[derive(Args)]
 pub struct Options {
@@ -59,7 +50,7 @@ pub fn stage(workspace: &Workspace) -> Result<()> {
     let modules = node(workspace, &[THREE, DRIVER])?;
     let folder = workspace.target.join("web/page");
     lay_out(workspace, &modules, &folder)?;
-    let (sh, set) = (&workspace.shell, folder.join(SET));
+    let (sh, set) = (&workspace.shell, folder.join("car.crumple"));
     let dented = workspace.target.join("web/dented.glb");
     let program = command::tested(workspace)?;
     cmd!(sh, "{program} apply {set} --impacts {CRASH} -o {dented}").quiet().ignore_stdout().run()?;
@@ -97,7 +88,7 @@ fn lay_out(workspace: &Workspace, modules: &Path, out: &Path) -> Result<()> {
     copy(&module, &package.join("crumple.wasm"))?;
     licenses::write_all(workspace, &licenses::linked_of(workspace, &manifest, &[web])?, &package)?;
     copy_tree(&workspace.path(PACKAGE).join("demo"), out)?;
-    for file in DRAWN_WITH {
+    for file in DRAWN_WITH.split(' ') {
         copy(&modules.join("three").join(file), &out.join("three").join(file))?;
     }
     car::lay_out(workspace, out, &[])

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use flate2::{Compression, GzBuilder};
-use tar::{EntryType, Header};
+use tar::{Header, HeaderMode};
 use zip::write::SimpleFileOptions;
 
 use crate::files::{bytes, name, within};
@@ -39,13 +39,11 @@ fn entries(folder: &Path) -> Result<Vec<(PathBuf, fs::Metadata)>> {
     Ok(found)
 }
 
-/// 755 for folders and programs.
-fn mode(metadata: &fs::Metadata) -> u32 {
-    #[cfg(unix)]
-    let program = std::os::unix::fs::PermissionsExt::mode(&metadata.permissions()) & 0o100 != 0;
-    #[cfg(windows)]
-    let program = false;
-    if metadata.is_dir() || program { 0o755 } else { 0o644 }
+/// The kind, the size, and a mode of 644, or 755 for folders and programs. Nobody's.
+fn header(metadata: &fs::Metadata) -> Header {
+    let mut header = Header::new_gnu();
+    header.set_metadata_in_mode(metadata, HeaderMode::Deterministic);
+    header
 }
 
 fn create(path: &Path) -> Result<BufWriter<File>> {
@@ -58,23 +56,14 @@ fn tar_gz(folder: &Path, path: &Path, time: u64) -> Result<()> {
     let own = [(folder.to_path_buf(), fs::metadata(folder)?)];
     for (path, metadata) in own.into_iter().chain(entries(folder)?) {
         let name = within(above, &path)?;
-        let mut header = Header::new_gnu();
+        let mut header = header(&metadata);
         header.set_mtime(time);
-        header.set_uid(0);
-        header.set_gid(0);
-        header.set_size(0);
-        header.set_mode(mode(&metadata));
         if metadata.is_dir() {
-            header.set_entry_type(EntryType::Directory);
             archive.append_data(&mut header, format!("{name}/"), std::io::empty())?;
         } else if metadata.is_symlink() {
-            header.set_entry_type(EntryType::Symlink);
-            header.set_mode(0o777);
             archive.append_link(&mut header, name, fs::read_link(&path)?)?;
         } else {
-            let bytes = bytes(&path)?;
-            header.set_size(bytes.len() as u64);
-            archive.append_data(&mut header, name, &*bytes)?;
+            archive.append_data(&mut header, name, File::open(&path)?)?;
         }
     }
     archive.into_inner()?.finish()?.flush()?;
@@ -87,7 +76,7 @@ pub fn zip(folder: &Path, path: &Path) -> Result<()> {
     let mut archive = zip::ZipWriter::new(create(path)?);
     for (path, metadata) in entries(folder)? {
         // Archives for Windows hold the file in place of a link.
-        let mode = if metadata.is_file() { mode(&metadata) } else { 0o644 };
+        let mode = if metadata.is_file() { header(&metadata).mode()? } else { 0o644 };
         let options = SimpleFileOptions::default().unix_permissions(mode).last_modified_time(zip::DateTime::default());
         let name = within(above, &path)?;
         if metadata.is_dir() {
