@@ -22,6 +22,18 @@ pub(super) fn boundary(call: &'static str, body: impl FnOnce() -> Result<(), Fai
     }
 }
 
+/// An entry point that needs a feature: `enter` runs its body if the library was built with it, else it fails.
+macro_rules! built_with {
+    ($feature:tt, $enter:ident, $call:literal $(, $argument:expr)+ $(,)?) => {{
+        #[cfg(feature = $feature)]
+        let result = $enter($call $(, $argument)+);
+        #[cfg(not(feature = $feature))]
+        let result = $crate::capi::boundary::boundary($call, || Err(Failure::not_built($feature)));
+        result
+    }};
+}
+pub(super) use built_with;
+
 /// Fails if the host's allocator refused a block since the call began. The block is the system's then: not every allocation of
 /// Rust may fail. Calls ask before they keep what they have made, so that a full heap does not fill the system's memory.
 pub(super) fn granted() -> Result<(), Failure> {

@@ -1,25 +1,28 @@
 //! Buffers: memory of the host that deformed vertices are written to.
 
-use super::boundary::{granted, succeeds};
-use super::check::{Out, def, zeroed};
-use super::context::{CrumpleContext, exclusive, look_into};
-use super::host_memory::{CrumpleHostBufferDef, HostMemory};
-use super::result::{CrumpleResult, Failure};
-use super::store::{BufferEntry, Memory, State};
-use super::types::{CrumpleBuffer, CrumpleInstance};
+use super::boundary::succeeds;
+use super::context::look_into;
+use super::memory::{CrumpleHostBufferDef, HostMemory};
+use super::prelude::*;
+use super::store::{BufferEntry, Memory};
 use crate::base::memory::may_fail;
 use crate::deform::Tracker;
 
 /// Adds a buffer to those of its owner.
-pub(super) fn add_buffer(state: &mut State, entry: BufferEntry, out: Out<CrumpleBuffer>) -> Result<(), Failure> {
-    let owner = state.instances.get_mut(entry.owner, "instance")?;
-    state.buffers.reserve::<CrumpleBuffer>()?;
-    may_fail(|| owner.buffers.try_reserve(1)).map_err(|_| Failure::out_of_memory("one more buffer"))?;
+pub(super) fn add_buffer(
+    state: &mut State,
+    owner: CrumpleInstance,
+    (lod, user_data): (u32, u64),
+    memory: Memory,
+    out: Out<CrumpleBuffer>,
+) -> Result<(), Failure> {
+    let theirs = &mut state.instances.get_mut(owner, "instance")?.buffers;
+    state.buffers.reserve()?;
+    may_fail(|| theirs.try_reserve(1)).map_err(|_| Failure::out_of_memory("one more buffer"))?;
     granted()?;
-    let id = state.buffers.insert(entry);
-    owner.buffers.push(id);
-    out.write(id);
-    Ok(())
+    let id = state.buffers.insert(BufferEntry { owner, lod: lod as usize, memory, user_data, included: false });
+    theirs.push(id);
+    out.answer(id)
 }
 
 /// What a buffer shows.
@@ -55,9 +58,8 @@ pub unsafe extern "C" fn crumple_buffer_register_host(
 ) -> CrumpleResult {
     exclusive("crumple_buffer_register_host", context, |_, state| {
         let (def, out) = (self::def(def, "def")?, Out::new(out_buffer, "out_buffer")?);
-        let memory = HostMemory::new(&def, &state.instances.get(instance, "instance")?.instance)?;
-        let memory = Memory::Host(memory, Tracker::new());
-        add_buffer(state, BufferEntry::new(instance, def.lod, memory, def.user_data), out)
+        let memory = Memory::Host(HostMemory::new(&def, state.body(instance)?)?, Tracker::new());
+        add_buffer(state, instance, (def.lod, def.user_data), memory, out)
     })
 }
 
@@ -67,11 +69,7 @@ pub unsafe extern "C" fn crumple_buffer_unregister(
     context: *mut CrumpleContext,
     buffer: CrumpleBuffer,
 ) -> CrumpleResult {
-    exclusive("crumple_buffer_unregister", context, |_, state| {
-        let owner = state.remove_buffer(buffer)?;
-        state.instances.get_mut(owner, "instance")?.buffers.retain(|b| *b != buffer);
-        Ok(())
-    })
+    exclusive("crumple_buffer_unregister", context, |_, state| state.remove_buffer(buffer))
 }
 
 /// Returns whether an id is that of a buffer of the context. False while another thread is inside the context.
@@ -88,9 +86,7 @@ pub unsafe extern "C" fn crumple_buffer_get_info(
     out_info: *mut CrumpleBufferInfo,
 ) -> CrumpleResult {
     exclusive("crumple_buffer_get_info", context, |_, state| {
-        let out = Out::new(out_info, "out_info")?;
-        out.write(info(buffer, state.buffers.get(buffer, "buffer")?, state)?);
-        Ok(())
+        Out::new(out_info, "out_info")?.answer(info(buffer, state.buffers.get(buffer, "buffer")?, state)?)
     })
 }
 
@@ -113,7 +109,7 @@ pub unsafe extern "C" fn crumple_buffer_invalidate(
     buffer: CrumpleBuffer,
 ) -> CrumpleResult {
     exclusive("crumple_buffer_invalidate", context, |_, state| {
-        state.buffers.get_mut(buffer, "buffer")?.invalidate();
+        state.buffers.get_mut(buffer, "buffer")?.memory.invalidate();
         Ok(())
     })
 }

@@ -1,15 +1,10 @@
 //! Example sets from the caller's arrays, further meshes of a set, and baking.
 
-use super::c_enum::c_enums;
-use super::check::{Out, boolean, def, defs, enumerator, finite, positive_or, striker, string, write_array, zeroed};
-use super::context::{Context, CrumpleContext, CrumpleLogLevel, exclusive};
 use super::memory::{CrumpleInput, read, read_required};
-use super::primitive::CrumplePrimitive;
-use super::result::{CrumpleResult, Failure};
+use super::prelude::*;
 use super::set::insert_set;
-use super::store::State;
-use super::tasks::Quiet;
-use super::types::{CrumpleExampleSet, CrumpleStriker, CrumpleVec3};
+use super::store::SetEntry;
+use super::types::CrumpleStriker;
 use crate::base::error::reserve;
 use crate::basis::learn::BasisOptions;
 use crate::example::blow::Blow;
@@ -17,8 +12,6 @@ use crate::example::data::{Contact, Deltas, ExampleData};
 use crate::example::options::{SetOptions, VertexMass};
 use crate::example::set::ExampleSet;
 use crate::mesh::data::MeshData;
-use std::ffi::{CString, c_char, c_void};
-use std::mem::MaybeUninit;
 use std::sync::Arc;
 
 /// A level of detail further than this from the base surface is doubted, as a share of the body's diagonal.
@@ -186,16 +179,11 @@ pub unsafe extern "C" fn crumple_example_set_create(
 ) -> CrumpleResult {
     exclusive("crumple_example_set_create", context, |context, state| {
         let (def, out) = (self::def(def, "def")?, Out::new(out_set, "out_set")?);
-        let (mesh, examples) = {
-            let mesh = read_mesh(def.mesh, "def.mesh")?;
-            let examples = read_examples(&def, &mesh)?;
-            (mesh, examples)
-        };
-        let triangles = mesh.triangles.len() as u32;
-        let whole = CrumplePrimitive::new(0..mesh.positions.len() as u32, 0..triangles);
+        let mesh = read_mesh(def.mesh, "def.mesh")?;
+        let examples = read_examples(&def, &mesh)?;
         let options = read_options(&def.options, mesh.positions.len())?;
-        let name = CString::default();
-        add_set(context, state, (mesh, examples, options), (name, vec![whole], Vec::new(), None), out)
+        let set = ExampleSet::build(mesh, examples, options, &context.tasks)?;
+        insert_set(context, state, SetEntry::new(set), out)
     })
 }
 
@@ -219,55 +207,40 @@ pub unsafe extern "C" fn crumple_example_set_add_lod(
     exclusive("crumple_example_set_add_lod", context, |context, state| {
         let out = Out::new(out_lod, "out_lod")?;
         let entry = state.sets.get_mut(set, "set")?;
-        let set = Arc::get_mut(&mut entry.set).ok_or_else(|| {
+        let set = Arc::get_mut(entry).and_then(|entry| Arc::get_mut(&mut entry.set)).ok_or_else(|| {
             Failure::invalid("set has instances, or is shared with another context; add its levels of detail before the first instance is made")
         })?;
-        let mesh = read_mesh(mesh, "mesh")?;
-        let lod = set.add_lod(mesh, &Quiet(context.tasks()))?;
+        let lod = set.add_lod(read_mesh(mesh, "mesh")?, &context.tasks)?;
         let report = set.report().lods[lod - 1];
-        let elsewhere = report.farthest > FAR_OFF * set.mesh().bounds().diagonal();
-        let doubt = if elsewhere { "; is it the same body, in the same space and units?" } else { "" };
-        context.log(
-            if elsewhere { CrumpleLogLevel::Warning } else { CrumpleLogLevel::Info },
-            &format!(
-                "level of detail {lod}: {} vertices, at most {} m from the base surface, {} bytes{doubt}",
-                report.vertices, report.farthest, report.bytes
-            ),
+        let (level, doubt) = if report.farthest > FAR_OFF * set.mesh().bounds().diagonal() {
+            (CrumpleLogLevel::Warning, "; is it the same body, in the same space and units?")
+        } else {
+            (CrumpleLogLevel::Info, "")
+        };
+        let message = format!(
+            "level of detail {lod}: {} vertices, at most {} m from the base surface, {} bytes{doubt}",
+            report.vertices, report.farthest, report.bytes
         );
-        out.write(lod as u32);
-        Ok(())
+        context.log(level, &message);
+        out.answer(lod as u32)
     })
-}
-
-/// Builds the set and gives it an id.
-pub(super) fn add_set(
-    context: &Context,
-    state: &mut State,
-    (mesh, examples, options): (MeshData, Vec<ExampleData>, SetOptions),
-    (name, primitives, materials, node_transform): (CString, Vec<CrumplePrimitive>, Vec<CString>, Option<[f32; 16]>),
-    out: Out<CrumpleExampleSet>,
-) -> Result<(), Failure> {
-    state.sets.reserve::<CrumpleExampleSet>()?;
-    let set = ExampleSet::build(mesh, examples, options, &Quiet(context.tasks()))?;
-    insert_set(context, state, set, (name, primitives, materials, node_transform), out).map(drop)
 }
 
 pub(super) unsafe fn read_mesh(def: *const CrumpleMeshDef, name: &str) -> Result<MeshData, Failure> {
     let def = &self::def(def, name)?;
     let vertices = def.vertex_count as usize;
     if vertices == 0 {
-        return Err(crate::base::error::Error::Mesh {
-            what: format!("{name}.vertex_count is 0; a mesh needs at least one vertex"),
-        }
-        .into());
+        return Err(Failure::mesh(format!("{name}.vertex_count is 0; a mesh needs at least one vertex")));
     }
-    let positions = read_required(def.positions, vertices, &format!("{name}.positions"))?;
-    let normals = read(def.normals, vertices, &format!("{name}.normals"))?;
-    let tangents = read(def.tangents, vertices, &format!("{name}.tangents"))?;
-    let triangles = read_triangles(def, name)?;
-    let depth_limits = read(def.depth_limits, vertices, &format!("{name}.depth_limits"))?;
-    let stiffness = read(def.stiffness, vertices, &format!("{name}.stiffness"))?;
-    Ok(MeshData { positions, normals, tangents, triangles, depth_limits, stiffness })
+    let field = |field: &str| format!("{name}.{field}");
+    Ok(MeshData {
+        positions: read_required(def.positions, vertices, &field("positions"))?,
+        normals: read(def.normals, vertices, &field("normals"))?,
+        tangents: read(def.tangents, vertices, &field("tangents"))?,
+        triangles: read_triangles(def, name)?,
+        depth_limits: read(def.depth_limits, vertices, &field("depth_limits"))?,
+        stiffness: read(def.stiffness, vertices, &field("stiffness"))?,
+    })
 }
 
 unsafe fn read_triangles(def: &CrumpleMeshDef, name: &str) -> Result<Vec<[u32; 3]>, Failure> {
@@ -276,42 +249,33 @@ unsafe fn read_triangles(def: &CrumpleMeshDef, name: &str) -> Result<Vec<[u32; 3
         return Err(Failure::invalid(format!("{name}.index_count is {count}; it must be a multiple of 3")));
     }
     let indices = &format!("{name}.indices");
-    let wide: Option<Vec<u32>> = match enumerator(def.index_type, &format!("{name}.index_type"))? {
-        CrumpleIndexType::U32 => read(def.indices, count, indices)?,
-        CrumpleIndexType::U16 => {
-            let narrow: Option<Vec<u16>> = read(def.indices, count, indices)?;
-            match narrow {
-                Some(narrow) => {
-                    let mut wide = reserve(count, indices)?;
-                    wide.extend(narrow.into_iter().map(u32::from));
-                    Some(wide)
-                }
-                None => None,
-            }
-        }
+    let found = match enumerator(def.index_type, &format!("{name}.index_type"))? {
+        CrumpleIndexType::U32 => read::<u32>(def.indices, count, indices)?.map(|all| corners(&all, indices)),
+        CrumpleIndexType::U16 => read::<u16>(def.indices, count, indices)?.map(|all| corners(&all, indices)),
     };
-    let Some(wide) = wide else {
-        return if count == 0 {
-            Ok(Vec::new())
-        } else {
-            let message = format!("{indices}.data is null but {name}.index_count is {count}");
-            Err(Failure::new(CrumpleResult::CrumpleErrorNullPointer, message))
-        };
-    };
-    let mut triangles = reserve(count / 3, indices)?;
-    triangles.extend(wide.as_chunks::<3>().0);
+    match found {
+        Some(triangles) => triangles,
+        None if count == 0 => Ok(Vec::new()),
+        None => Err(Failure::null_pointer(format!("{indices}.data is null but {name}.index_count is {count}"))),
+    }
+}
+
+fn corners<T: Copy + Into<u32>>(indices: &[T], name: &str) -> Result<Vec<[u32; 3]>, Failure> {
+    let mut triangles = reserve(indices.len() / 3, name)?;
+    triangles.extend(indices.as_chunks::<3>().0.iter().map(|corners| corners.map(Into::into)));
     Ok(triangles)
 }
 
 unsafe fn read_examples(def: &CrumpleExampleSetDef, mesh: &MeshData) -> Result<Vec<ExampleData>, Failure> {
+    let count = def.example_count as usize;
     let mut examples = Vec::new();
-    for i in 0..def.example_count as usize {
+    for i in 0..count {
         let name = format!("def.examples[{i}]");
+        let at = def.examples.wrapping_add(i);
         // The first is read before memory is reserved for all: a wrong count is found by it.
-        let example =
-            self::def(def.examples.wrapping_add(i), if def.examples.is_null() { "def.examples" } else { &name })?;
+        let example = self::def(at, if def.examples.is_null() { "def.examples" } else { &name })?;
         if i == 0 {
-            examples = reserve(def.example_count as usize, "def.examples")?;
+            examples = reserve(count, "def.examples")?;
         }
         examples.push(read_example(example, mesh, &name)?);
     }
@@ -321,6 +285,7 @@ unsafe fn read_examples(def: &CrumpleExampleSetDef, mesh: &MeshData) -> Result<V
 unsafe fn read_example(example: CrumpleExampleDef, mesh: &MeshData, name: &str) -> Result<ExampleData, Failure> {
     let field = |field: &str| format!("{name}.{field}");
     let invalid = |what: &str| Err(Failure::invalid(format!("{name}{what}")));
+    let missing = |what: &str| Err(Failure::null_pointer(format!("{name} {what}")));
     let vertices = mesh.positions.len();
     let title = string(example.name, &field("name"))?.unwrap_or_default();
     let targets = read::<[f32; 3]>(example.target_positions, vertices, &field("target_positions"))?;
@@ -359,13 +324,9 @@ unsafe fn read_example(example: CrumpleExampleDef, mesh: &MeshData, name: &str) 
             (Deltas::Sparse { indices, values }, normals)
         }
         (None, None, None) => {
-            let message = format!("{name} has neither target_positions nor delta_indices and position_deltas");
-            return Err(Failure::new(CrumpleResult::CrumpleErrorNullPointer, message));
+            return missing("has neither target_positions nor delta_indices and position_deltas");
         }
-        (None, ..) => {
-            let message = format!("{name} has one of delta_indices and position_deltas; the sparse form needs both");
-            return Err(Failure::new(CrumpleResult::CrumpleErrorNullPointer, message));
-        }
+        (None, ..) => return missing("has one of delta_indices and position_deltas; the sparse form needs both"),
         (Some(_), ..) => return invalid(" has target_positions and sparse deltas; give one of the two forms"),
     };
     let contact = match enumerator(example.contact_kind, &field("contact_kind"))? {
@@ -375,16 +336,15 @@ unsafe fn read_example(example: CrumpleExampleDef, mesh: &MeshData, name: &str) 
             Some(Contact::Point(finite(example.contact_point.array(), &field("contact_point"))?))
         }
     };
-    let contact_normal = match boolean(example.has_contact_normal) {
-        true => Some(finite(example.contact_normal.array(), &field("contact_normal"))?),
-        false => None,
-    };
+    let contact_normal = boolean(example.has_contact_normal)
+        .then(|| finite(example.contact_normal.array(), &field("contact_normal")))
+        .transpose()?;
     finite(example.impulse.array(), &field("impulse"))?;
     let blow = Blow {
         impulse: example.impulse.known(),
         duration: positive_or(example.duration, &field("duration"), "s", "an unknown one")?,
         normal: contact_normal,
-        striker: striker(example.striker, &field("striker"))?,
+        striker: example.striker.read(&field("striker"))?,
     };
     Ok(ExampleData { normals, contact, contact_normal, blow, ..ExampleData::new(title, positions) })
 }
@@ -409,33 +369,26 @@ fn all_finite(values: &[[f32; 3]], name: &str) -> Result<(), Failure> {
 /// # Safety
 /// The caller's array, if there is one, can be read.
 pub(super) unsafe fn read_options(options: &CrumpleExampleSetOptions, vertices: usize) -> Result<SetOptions, Failure> {
-    let uniform = positive_or(options.vertex_mass, "def.options.vertex_mass", "kg", "unknown masses")?;
-    let each = read::<f32>(options.vertex_masses, vertices, "def.options.vertex_masses")?;
-    let mass = match (uniform, each) {
+    let positive = |value, field: &str, unit, zero| positive_or(value, &format!("def.options.{field}"), unit, zero);
+    let each = read(options.vertex_masses, vertices, "def.options.vertex_masses")?;
+    let mass = match (positive(options.vertex_mass, "vertex_mass", "kg", "unknown masses")?, each) {
         (None, None) => VertexMass::None,
         (Some(mass), None) => VertexMass::Uniform(mass),
         (None, Some(masses)) => VertexMass::PerVertex(masses),
         (Some(mass), Some(_)) => {
-            let message =
-                format!("def.options.vertex_mass is {mass} kg but vertex_masses is there too; give one of the two");
-            return Err(Failure::invalid(message));
+            let what = "but vertex_masses is there too; give one of the two";
+            return Err(Failure::invalid(format!("def.options.vertex_mass is {mass} kg {what}")));
         }
     };
-    let basis = positive_or(options.basis_tolerance, "def.options.basis_tolerance", "m", "nodes spread evenly")?;
     Ok(SetOptions {
-        depth_limit: positive_or(
-            options.depth_limit,
-            "def.options.depth_limit",
-            "m",
-            "three times the deepest example's",
-        )?,
+        depth_limit: positive(options.depth_limit, "depth_limit", "m", "three times the deepest example's")?,
         mirror: boolean(options.mirror),
         held_rims: boolean(options.held_rims),
         whole_examples: boolean(options.whole_examples),
-        basis: basis.map(BasisOptions::new),
+        basis: positive(options.basis_tolerance, "basis_tolerance", "m", "nodes spread evenly")?.map(BasisOptions::new),
         mass,
         drop_below: options.drop_below,
-        tolerance: positive_or(options.bake_tolerance, "def.options.bake_tolerance", "m", "exact floats")?,
+        tolerance: positive(options.bake_tolerance, "bake_tolerance", "m", "exact floats")?,
         normal_tolerance: options.bake_normal_tolerance,
     })
 }
@@ -453,8 +406,7 @@ pub unsafe extern "C" fn crumple_example_set_save_baked(
         let out = Out::new(out_size, "out_size")?;
         let set = &state.sets.get(set, "set")?.set;
         if data.is_null() && capacity == 0 {
-            out.write(set.saved_bytes());
-            return Ok(());
+            return out.answer(set.saved_bytes());
         }
         write_array(&set.save()?, data.cast::<u8>(), capacity, "data", out)
     })

@@ -2,8 +2,7 @@
 
 use super::c_enum::{CEnum, number};
 use super::result::{CrumpleResult, Failure};
-use super::types::CrumpleStriker;
-use crate::example::blow::Striker;
+use crate::base::error::Error;
 use std::ffi::{CStr, c_char};
 use std::mem::MaybeUninit;
 
@@ -34,7 +33,7 @@ pub(super) fn usable<T>(pointer: *const T, name: &str) -> Result<(), Failure> {
 }
 
 pub(super) fn misaligned(name: &str, value: u64, align: u64) -> Failure {
-    crate::base::error::Error::Misaligned { name: name.into(), value, align }.into()
+    Error::Misaligned { name: name.into(), value, align }.into()
 }
 
 /// A struct that starts with its size.
@@ -164,6 +163,12 @@ impl<T> Out<T> {
             unsafe { self.0.write(value) }
         }
     }
+
+    /// Writes what a call ends with.
+    pub(super) fn answer(self, value: T) -> Result<(), Failure> {
+        self.write(value);
+        Ok(())
+    }
 }
 
 /// Writes an array into memory that the caller sized, and its count, the latter also where the memory is too small. Null with
@@ -200,9 +205,7 @@ pub(super) unsafe fn write_array<T: Copy, N: TryFrom<usize>>(
 /// The element with an index from C.
 pub(super) fn item<'a, T>(items: &'a [T], index: u32, name: &str) -> Result<&'a T, Failure> {
     let (index, len) = (u64::from(index), items.len() as u64);
-    items
-        .get(index as usize)
-        .ok_or_else(|| crate::base::error::Error::IndexOutOfRange { name: name.into(), index, len }.into())
+    items.get(index as usize).ok_or_else(|| Error::IndexOutOfRange { name: name.into(), index, len }.into())
 }
 
 /// Refuses NaN and infinities.
@@ -211,7 +214,7 @@ pub(super) fn finite<const N: usize>(value: [f32; N], name: &str) -> Result<[f32
         return Ok(value);
     }
     let value = if N == 1 { value[0].to_string() } else { format!("{value:?}") };
-    Err(crate::base::error::Error::NotFinite { name: name.into(), value }.into())
+    Err(Error::NotFinite { name: name.into(), value }.into())
 }
 
 /// A length or mass in `unit`; 0 stands for `zero`.
@@ -221,77 +224,5 @@ pub(super) fn positive_or(value: f32, name: &str, unit: &str, zero: &str) -> Res
         0.0 => Ok(None),
         v if v > 0.0 => Ok(Some(v)),
         v => Err(Failure::invalid(format!("{name} is {v} {unit}; it must be positive, or 0 for {zero}"))),
-    }
-}
-
-/// Reads a striker, of which zeros are unknown.
-pub(super) fn striker(striker: CrumpleStriker, name: &str) -> Result<Striker, Failure> {
-    let field = |field: &str| format!("{name}.{field}");
-    finite(striker.velocity.array(), &field("velocity"))?;
-    Ok(Striker {
-        mass: positive_or(striker.mass, &field("mass"), "kg", "an unknown one")?,
-        radius: positive_or(striker.radius, &field("radius"), "m", "an unknown one")?,
-        velocity: striker.velocity.known(),
-        shape: enumerator(striker.shape, &field("shape"))?.into(),
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::hit::crumple_hit_def_default;
-    use super::super::types::CrumpleStrikerShape;
-    use super::*;
-    use crate::example::blow::StrikerShape;
-
-    #[test]
-    fn a_refused_length_names_what_0_stands_for() {
-        assert_eq!(positive_or(0.0, "depth_limit", "m", "the deepest example").ok(), Some(None));
-        let failure = positive_or(-1.0, "depth_limit", "m", "the deepest example").expect_err("a negative length");
-        assert_eq!(failure.message, "depth_limit is -1 m; it must be positive, or 0 for the deepest example");
-    }
-
-    #[test]
-    fn zeros_of_a_striker_are_unknown() {
-        assert_eq!(striker(crumple_hit_def_default().striker, "striker").ok(), Some(Striker::default()));
-        let velocity = [0.0, 0.5, -4.0];
-        let shape = MaybeUninit::new(CrumpleStrikerShape::Pole);
-        let given = CrumpleStriker { mass: 2.5, velocity: velocity.into(), radius: 0.08, shape, reserved: [0; 2] };
-        let known =
-            Striker { mass: Some(2.5), velocity: Some(velocity), radius: Some(0.08), shape: StrikerShape::Pole };
-        assert_eq!(striker(given, "striker").ok(), Some(known));
-        let failure = striker(CrumpleStriker { radius: -1.0, ..given }, "def.striker").expect_err("no radius");
-        assert_eq!(failure.message, "def.striker.radius is -1 m; it must be positive, or 0 for an unknown one");
-    }
-
-    #[repr(C)]
-    #[derive(Clone, Copy, Debug, PartialEq)]
-    struct CrumpleTodayDef {
-        struct_size: u32,
-        depth: f32,
-    }
-
-    defs!(CrumpleTodayDef);
-
-    #[test]
-    fn only_the_size_of_this_version_is_accepted() {
-        let today = CrumpleTodayDef { depth: 5.0, ..zeroed() };
-        // SAFETY: a def, of which no more than the size is read where that is another.
-        let read = |def: &CrumpleTodayDef| unsafe { super::def(def, "def") };
-        assert_eq!(read(&today).ok(), Some(today));
-        for size in [0, 4, 7, 9, 16, u32::MAX] {
-            let failure = read(&CrumpleTodayDef { struct_size: size, ..today }).expect_err("another size");
-            assert_eq!(failure.result, CrumpleResult::CrumpleErrorStructSize);
-            let says = format!("def.struct_size is {size}; it must be 8: start from crumple_today_def_default()");
-            assert_eq!(failure.message, says);
-        }
-    }
-
-    #[test]
-    fn the_needed_count_is_written_where_memory_is_too_small() {
-        let (mut count, mut memory) = (0u32, [7u8; 2]);
-        // SAFETY: both live across the call.
-        let result = unsafe { write_array(&[1u8, 2, 3], memory.as_mut_ptr(), 2, "marks", Out(&mut count)) };
-        assert_eq!(result.expect_err("two are too few").result, CrumpleResult::CrumpleErrorBufferTooSmall);
-        assert_eq!((count, memory), (3, [7; 2]));
     }
 }

@@ -1,13 +1,11 @@
 //! Hits that belong together by a contact id, and what came of them.
 
-use super::check::{Out, write_array};
-use super::contacts::{CrumpleContactReport, contact_hits};
-use super::context::{CrumpleContext, StepHit, concurrent, exclusive};
+use super::contacts::CrumpleContactReport;
+use super::context::StepHit;
 use super::hit::CrumpleHitResult;
-use super::result::{CrumpleResult, Failure};
-use super::types::{CrumpleInstance, CrumpleVec3};
+use super::prelude::*;
 use crate::base::error::reserve;
-use crate::select::hit::Cause;
+use crate::select::hit::{Cause, HitStatus};
 use std::num::NonZeroU64;
 
 /// A hit on an instance by the last step of contacts, for sounds, sparks and scores. If both bodies dent, each has one.
@@ -75,10 +73,14 @@ pub unsafe extern "C" fn crumple_instance_get_contact(
 ) -> CrumpleResult {
     exclusive("crumple_instance_get_contact", context, |_, state| {
         let (out, id) = (Out::new(out_result, "out_result")?, contact(contact_id)?);
-        let found = state.instances.get_mut(instance, "instance")?.instance.contact(id)?;
-        let result = found.as_ref().map_or_else(CrumpleHitResult::nothing, CrumpleHitResult::from);
-        out.write(result);
-        Ok(())
+        out.answer(match state.body(instance)?.contact(id)? {
+            Some(outcome) => (&outcome).into(),
+            // SAFETY: zeros are a value of every field.
+            None => CrumpleHitResult {
+                status: MaybeUninit::new(HitStatus::BelowYield),
+                ..MaybeUninit::zeroed().assume_init()
+            },
+        })
     })
 }
 
@@ -98,7 +100,7 @@ pub unsafe extern "C" fn crumple_context_get_contact_hits(
 ) -> CrumpleResult {
     concurrent("crumple_context_get_contact_hits", context, |context| {
         let out = Out::new(out_count, "out_count")?;
-        let told = contact_hits(context);
+        let told = context.contact_hits();
         let mut found = reserve(told.len(), "hits")?;
         found.extend(told.iter().map(CrumpleContactHit::from));
         write_array(&found, hits, capacity as usize, "hits", out)
@@ -112,7 +114,6 @@ pub unsafe extern "C" fn crumple_context_get_contact_totals(
     out_report: *mut CrumpleContactReport,
 ) -> CrumpleResult {
     concurrent("crumple_context_get_contact_totals", context, |context| {
-        Out::new(out_report, "out_report")?.write((&context.contacts.totals()).into());
-        Ok(())
+        Out::new(out_report, "out_report")?.answer((&context.contacts.totals()).into())
     })
 }

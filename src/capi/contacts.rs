@@ -1,15 +1,13 @@
 //! Contact points of a physics engine, from which the context makes hits.
 
-use super::check::{Out, array, boolean, def, defs, enumerator, zeroed};
-use super::context::{Context, CrumpleContext, StepHit, concurrent};
-use super::result::{CrumpleResult, Failure};
-use super::types::{CrumpleInstance, CrumpleStrikerShape, CrumpleVec3};
+use super::context::StepHit;
+use super::prelude::*;
+use super::types::CrumpleStrikerShape;
 use crate::contacts::options::{ContactOptions, Impulses};
 use crate::contacts::point::ContactPoint;
 use crate::contacts::report::ContactReport;
 use crate::instance::inbox::Inbox;
-use std::mem::MaybeUninit;
-use std::sync::{Arc, MutexGuard, PoisonError};
+use std::sync::Arc;
 
 /// Options of a context's contacts. A touch is what leaves one dent: points of one pair that lie near each other, from the
 /// step in which they first push until the bodies separate or touch_time is over.
@@ -206,27 +204,17 @@ pub unsafe extern "C" fn crumple_context_step_contacts(
 ) -> CrumpleResult {
     concurrent("crumple_context_step_contacts", context, |context| {
         let out = Out::optional(out_report, "out_report")?;
-        let mut hits = contact_hits(context);
+        let mut hits = context.contact_hits();
         let earlier = hits.len();
         let report = context.contacts.step_each(seconds, |hit| {
-            let inboxes = context.inboxes.read().unwrap_or_else(PoisonError::into_inner);
             // An instance that was destroyed during the call gets no more hits.
-            let instance = inboxes.iter().find(|(_, inbox)| Arc::ptr_eq(inbox, hit.inbox)).map(|(id, _)| id);
-            hits.extend(instance.map(|instance| StepHit {
-                pair: hit.pair,
-                instance,
-                hit: *hit.hit,
-                outcome: *hit.outcome,
-            }));
+            let found = context.inboxes().iter().find(|(_, inbox)| Arc::ptr_eq(inbox, hit.inbox)).map(|(id, _)| id);
+            let of = |instance| StepHit { pair: hit.pair, instance, hit: *hit.hit, outcome: *hit.outcome };
+            hits.extend(found.map(of));
         })?;
         hits.drain(..earlier);
-        out.write((&report).into());
-        Ok(())
+        out.answer((&report).into())
     })
-}
-
-pub(super) fn contact_hits(context: &Context) -> MutexGuard<'_, Vec<StepHit>> {
-    context.contact_hits.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Ends all touches and forgets the points that wait, as after loading a saved game. Dents stay. Any thread.
@@ -240,19 +228,17 @@ pub unsafe extern "C" fn crumple_context_clear_contacts(context: *mut CrumpleCon
 
 unsafe fn read(context: &Context, def: &CrumpleContactPointDef, i: usize) -> Result<ContactPoint, Failure> {
     // Names are made for errors alone: reporting costs no memory.
-    let of = |i: usize, failure: Failure| Failure { message: format!("points[{i}].{}", failure.message), ..failure };
-    let def = self::def(def, "def").map_err(|failure| of(i, failure))?;
-    let inboxes = context.inboxes.read().unwrap_or_else(PoisonError::into_inner);
-    let body = |side: usize, name: &str| -> Result<Option<Arc<Inbox>>, Failure> {
-        let id = def.bodies[side];
-        if id == CrumpleInstance::default() {
-            return Ok(None);
-        }
-        Ok(Some(inboxes.get(id, name).map_err(|failure| of(i, failure))?.clone()))
+    let of = |failure: Failure| Failure { message: format!("points[{i}].{}", failure.message), ..failure };
+    let def = self::def(def, "def").map_err(of)?;
+    let inboxes = context.inboxes();
+    let body = |id: CrumpleInstance, name: &str| -> Result<Option<Arc<Inbox>>, Failure> {
+        let given = id != CrumpleInstance::default();
+        given.then(|| Ok(inboxes.get(id, name).map_err(of)?.clone())).transpose()
     };
+    let shape = |side: usize, name: &str| Ok::<_, Failure>(enumerator(def.shapes[side], name).map_err(of)?.into());
     let known = |x: f32| (x != 0.0).then_some(x);
     let vector = |given: MaybeUninit<bool>, v: CrumpleVec3| boolean(given).then(|| v.array());
-    let bodies = [body(0, "bodies[0]")?, body(1, "bodies[1]")?];
+    let bodies = [body(def.bodies[0], "bodies[0]")?, body(def.bodies[1], "bodies[1]")?];
     Ok(ContactPoint {
         impulse: (def.impulse != -1.0).then_some(def.impulse),
         velocity: vector(def.has_velocity, def.velocity),
@@ -260,10 +246,7 @@ unsafe fn read(context: &Context, def: &CrumpleContactPointDef, i: usize) -> Res
         masses: def.masses.map(known),
         inverse_mass: known(def.inverse_mass),
         radii: def.radii.map(known),
-        shapes: [
-            enumerator(def.shapes[0], "shapes[0]").map_err(|f| of(i, f))?.into(),
-            enumerator(def.shapes[1], "shapes[1]").map_err(|f| of(i, f))?.into(),
-        ],
+        shapes: [shape(0, "shapes[0]")?, shape(1, "shapes[1]")?],
         gain: def.gain,
         ..ContactPoint::new(def.pair, bodies, def.point.array(), def.normal.array())
     })

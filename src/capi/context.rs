@@ -4,18 +4,18 @@ use super::boundary::{boundary, granted};
 use super::check::{Out, def, defs, zeroed};
 use super::ids::Slots;
 use super::result::{CrumpleResult, Failure};
-use super::store::State;
-use super::tasks::{CrumpleTaskSystem, HostTasks};
+use super::store::{InstanceEntry, State};
+use super::tasks::{CrumpleTaskSystem, HostTasks, Quiet};
 use super::types::CrumpleInstance;
 use crate::base::error::{Error, reserve};
-use crate::base::tasks::{TaskSystem, ThreadPool};
+use crate::base::tasks::ThreadPool;
 use crate::contacts::ContactLayer;
 use crate::contacts::options::ContactOptions;
 use crate::instance::inbox::Inbox;
 use crate::select::hit::{Hit, Outcome};
 use std::ffi::{CString, c_char, c_void};
 use std::mem::MaybeUninit;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock, TryLockError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard, TryLockError};
 
 /// The severity of a log message.
 #[repr(C)]
@@ -52,15 +52,17 @@ defs!(CrumpleContextDef);
 pub(super) struct Context {
     log: CrumpleLog,
     log_user: *mut c_void,
-    tasks: Box<dyn TaskSystem + Send + Sync>,
+    pub(super) tasks: Quiet,
     state: Mutex<State>,
     /// The same ids as `State::instances`, for the calls that may come from any thread. Changed only while `state` is
     /// held.
-    pub(super) inboxes: RwLock<Slots<Arc<Inbox>>>,
+    inboxes: RwLock<Inboxes>,
     pub(super) contacts: ContactLayer,
     /// Of the last step.
-    pub(super) contact_hits: Mutex<Vec<StepHit>>,
+    contact_hits: Mutex<Vec<StepHit>>,
 }
+
+type Inboxes = Slots<CrumpleInstance, Arc<Inbox>>;
 
 /// A hit that a step of the contacts brought to an instance.
 #[derive(Debug, Clone, Copy)]
@@ -90,7 +92,7 @@ const STEP: usize = 64;
 
 pub(super) fn find(context: *const CrumpleContext) -> Result<Arc<Context>, Failure> {
     if context.is_null() {
-        return Err(Failure::new(CrumpleResult::CrumpleErrorNullPointer, "context is null"));
+        return Err(Failure::null("context"));
     }
     let contexts = CONTEXTS.read().unwrap_or_else(PoisonError::into_inner);
     let found = contexts.live.iter().find(|(number, _)| *number == context.addr());
@@ -114,32 +116,40 @@ impl Context {
         }
     }
 
-    pub(super) fn tasks(&self) -> &dyn TaskSystem {
-        &*self.tasks
-    }
-
     pub(super) fn log(&self, level: CrumpleLogLevel, message: &str) {
         let Some(log) = self.log else { return };
         let text = CString::new(message.replace('\0', "\u{fffd}")).unwrap_or_default();
         // SAFETY: the host promised that its function may be called so; the text lives across the call.
         unsafe { log(MaybeUninit::new(level), text.as_ptr(), self.log_user) }
     }
-}
 
-impl Context {
+    pub(super) fn inboxes(&self) -> RwLockReadGuard<'_, Inboxes> {
+        self.inboxes.read().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The inboxes while no hit arrives: those that were selected for the bodies as they are have arrived.
+    pub(super) fn no_hits(&self) -> RwLockWriteGuard<'_, Inboxes> {
+        self.inboxes.write().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Hits of the last step.
+    pub(super) fn contact_hits(&self) -> MutexGuard<'_, Vec<StepHit>> {
+        self.contact_hits.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// Calls `bring` with an instance's inbox. No part comes off or on meanwhile.
     pub(super) fn deliver<T>(
         &self,
         instance: CrumpleInstance,
         bring: impl FnOnce(&Inbox) -> Result<T, Error>,
     ) -> Result<T, Failure> {
-        let inboxes = self.inboxes.read().unwrap_or_else(PoisonError::into_inner);
+        let inboxes = self.inboxes();
         Ok(bring(inboxes.get(instance, "instance")?)?)
     }
 
     /// Submits hits to their instances, all or none.
     pub(super) fn deliver_all(&self, hits: &[(CrumpleInstance, Hit)]) -> Result<Vec<Outcome>, Failure> {
-        let inboxes = self.inboxes.read().unwrap_or_else(PoisonError::into_inner);
+        let inboxes = self.inboxes();
         let mut prepared = reserve(hits.len(), "hits")?;
         for (i, (instance, hit)) in hits.iter().enumerate() {
             let inbox = inboxes.get(*instance, &format!("instances[{i}]"))?;
@@ -153,6 +163,20 @@ impl Context {
         }
         Ok(outcomes)
     }
+}
+
+/// Makes room for one more instance.
+pub(super) fn reserve_instance(state: &mut State, inboxes: &mut Inboxes) -> Result<(), Failure> {
+    state.instances.reserve()?;
+    inboxes.reserve()
+}
+
+/// Gives an instance an id, for which there is room.
+pub(super) fn add_instance(state: &mut State, inboxes: &mut Inboxes, entry: InstanceEntry) -> CrumpleInstance {
+    let inbox = inboxes.insert(entry.instance.inbox().clone());
+    let id = state.instances.insert(entry);
+    assert_eq!(inbox, id, "the two lists of instances went apart");
+    id
 }
 
 /// Looks into another context than the one that a call is inside.
@@ -217,9 +241,9 @@ pub unsafe extern "C" fn crumple_context_create(
         let (def, out) = (self::def(def, "def")?, Out::new(out_context, "out_context")?);
         #[cfg(windows)]
         stay_loaded();
-        let tasks: Box<dyn TaskSystem + Send + Sync> = match def.tasks.parallel_for {
-            Some(call) => Box::new(HostTasks::new(call, def.tasks.user, def.tasks.workers)),
-            None => Box::new(ThreadPool::new(def.threads as usize)?),
+        let tasks = match def.tasks.parallel_for {
+            Some(call) => Quiet(Box::new(HostTasks::new(call, def.tasks.user, def.tasks.workers))),
+            None => Quiet(Box::new(ThreadPool::new(def.threads as usize)?)),
         };
         let mut contexts = CONTEXTS.write().unwrap_or_else(PoisonError::into_inner);
         let taken = |tag: u16| contexts.live.iter().any(|(number, _)| tag_of(*number) == tag);

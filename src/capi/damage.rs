@@ -1,18 +1,11 @@
 //! Damage: read, replaced, saved, repaired, copied.
 
-use super::boundary::granted;
-use super::check::{Out, array, finite, write_array};
-use super::context::{CrumpleContext, exclusive};
-use super::result::{CrumpleResult, Failure};
-use super::store::State;
-use super::tasks::Quiet;
-use super::types::{CrumpleInstance, CrumpleVec3};
+use super::prelude::*;
 use crate::base::error::reserve;
 use crate::base::tasks::map;
 use crate::damage::mark::Mark;
 use crate::instance::archive::{of, pack, unpack};
 use std::collections::BTreeMap;
-use std::ffi::c_void;
 
 /// Copies an instance's marks, sorted, so that the order of hits does not matter. CRUMPLE_ERROR_WRONG_RULE: classic
 /// rules have no marks.
@@ -26,9 +19,7 @@ pub unsafe extern "C" fn crumple_instance_get_marks(
 ) -> CrumpleResult {
     exclusive("crumple_instance_get_marks", context, |_, state| {
         let out = Out::new(out_count, "out_count")?;
-        let found = state.instances.get_mut(instance, "instance")?.instance.marks()?;
-        write_array(found, marks, capacity as usize, "marks", out)?;
-        Ok(())
+        write_array(state.body(instance)?.marks()?, marks, capacity as usize, "marks", out)
     })
 }
 
@@ -43,7 +34,7 @@ pub unsafe extern "C" fn crumple_instance_set_marks(
 ) -> CrumpleResult {
     exclusive("crumple_instance_set_marks", context, |_, state| {
         let marks = array(marks, count as usize, "marks")?;
-        Ok(state.instances.get_mut(instance, "instance")?.instance.set_marks(marks)?)
+        Ok(state.body(instance)?.set_marks(marks)?)
     })
 }
 
@@ -58,9 +49,7 @@ pub unsafe extern "C" fn crumple_instance_save_damage(
 ) -> CrumpleResult {
     exclusive("crumple_instance_save_damage", context, |_, state| {
         let out = Out::new(out_size, "out_size")?;
-        let bytes = state.instances.get_mut(instance, "instance")?.instance.save();
-        write_array(&bytes, data.cast::<u8>(), capacity, "data", out)?;
-        Ok(())
+        write_array(&state.body(instance)?.save(), data.cast::<u8>(), capacity, "data", out)
     })
 }
 
@@ -76,7 +65,7 @@ pub unsafe extern "C" fn crumple_instance_load_damage(
 ) -> CrumpleResult {
     exclusive("crumple_instance_load_damage", context, |_, state| {
         let bytes = array(data.cast::<u8>(), size, "data")?;
-        let instance = &mut state.instances.get_mut(instance, "instance")?.instance;
+        let instance = state.body(instance)?;
         let saved = instance.read(bytes)?;
         granted()?;
         instance.become_saved(saved);
@@ -102,9 +91,7 @@ pub unsafe extern "C" fn crumple_context_save_damage(
         for (i, id) in ids.into_iter().enumerate() {
             each.push(state.instances.get_mut(id, &format!("instances[{i}]"))?.instance.save());
         }
-        let bytes = pack(each.into_iter());
-        write_array(&bytes, data.cast::<u8>(), capacity, "data", out)?;
-        Ok(())
+        write_array(&pack(each.into_iter()), data.cast::<u8>(), capacity, "data", out)
     })
 }
 
@@ -128,9 +115,9 @@ pub unsafe extern "C" fn crumple_context_load_damage(
             read.insert(id.index, instance.read(bytes).map_err(|error| of(i, error))?);
         }
         granted()?;
-        let instances = state.instances.iter_mut::<CrumpleInstance>();
+        let instances = state.instances.iter_mut();
         let changes = instances.filter_map(|(id, entry)| Some((&mut entry.instance, read.remove(&id.index)?)));
-        map(&Quiet(context.tasks()), changes, |(instance, saved)| instance.become_saved(saved));
+        map(&context.tasks, changes, |(instance, saved)| instance.become_saved(saved));
         Ok(())
     })
 }
@@ -158,7 +145,7 @@ pub unsafe extern "C" fn crumple_instance_repair_damage(
 ) -> CrumpleResult {
     exclusive("crumple_instance_repair_damage", context, |_, state| {
         let [keep] = finite([keep], "keep")?;
-        Ok(state.instances.get_mut(instance, "instance")?.instance.repair(keep)?)
+        Ok(state.body(instance)?.repair(keep)?)
     })
 }
 
@@ -174,10 +161,9 @@ pub unsafe extern "C" fn crumple_instance_repair_around(
     keep: f32,
 ) -> CrumpleResult {
     exclusive("crumple_instance_repair_around", context, |_, state| {
-        let (point, [radius, keep]) = (finite(point.array(), "point")?, [radius, keep]);
-        finite([radius], "radius")?;
-        finite([keep], "keep")?;
-        Ok(state.instances.get_mut(instance, "instance")?.instance.repair_around(point, radius, keep)?)
+        let (point, [radius]) = (finite(point.array(), "point")?, finite([radius], "radius")?);
+        let [keep] = finite([keep], "keep")?;
+        Ok(state.body(instance)?.repair_around(point, radius, keep)?)
     })
 }
 
@@ -188,7 +174,7 @@ pub unsafe extern "C" fn crumple_instance_reset_damage(
     instance: CrumpleInstance,
 ) -> CrumpleResult {
     exclusive("crumple_instance_reset_damage", context, |_, state| {
-        state.instances.get_mut(instance, "instance")?.instance.reset();
+        state.body(instance)?.reset();
         Ok(())
     })
 }
@@ -202,12 +188,12 @@ pub unsafe extern "C" fn crumple_instance_copy_damage(
     instance: CrumpleInstance,
     source: CrumpleInstance,
 ) -> CrumpleResult {
-    exclusive("crumple_instance_copy_damage", context, |_, state| -> Result<(), Failure> {
+    exclusive("crumple_instance_copy_damage", context, |_, state| {
         state.instances.get(instance, "instance")?;
         let bytes = state.instances.get_mut(source, "source")?.instance.save();
         if instance == source {
             return Ok(());
         }
-        Ok(state.instances.get_mut(instance, "instance")?.instance.load(&bytes)?)
+        Ok(state.body(instance)?.load(&bytes)?)
     })
 }

@@ -1,29 +1,25 @@
 //! What a context keeps of the host's Vulkan device and buffers.
 
 use super::check::{boolean, enumerator, finite};
-use super::job_lists::JobLists;
+use super::memory::check_lod;
 use super::result::{CrumpleResult, Failure};
 use super::vulkan_types::{
     CrumpleHandleType, CrumpleVulkanAttachDef, CrumpleVulkanBufferDef, CrumpleVulkanFunction, CrumpleVulkanImportDef,
     CrumpleVulkanOpenDef, CrumpleVulkanStream,
 };
-use crate::base::math::Aabb;
 use crate::gpu::TargetDef;
 use crate::instance::Instance;
-use crate::instance::options::Rule;
 use crate::vulkan::vk::{self, Handle};
 use crate::vulkan::{
     Access, BufferDef, BufferId, Device, DeviceDef, ImportDef, OwnDevice, OwnDeviceDef, Shared, Stream, Target,
 };
 use std::collections::HashMap;
-use std::ops::Range;
 
 /// The device, and the VkBuffers that ranges lie in.
 pub(super) struct Attached {
     pub(super) device: Kind,
     /// By handle.
     hosts: HashMap<u64, HostBuffer>,
-    pub(super) lists: JobLists<Target>,
 }
 
 pub(super) enum Kind {
@@ -32,6 +28,39 @@ pub(super) enum Kind {
 }
 
 impl Kind {
+    /// # Safety
+    /// The handles are valid, belong together, and stay valid while this lives.
+    pub(super) unsafe fn hosts_own(def: &CrumpleVulkanAttachDef, pipeline_cache: &[u8]) -> Result<Self, Failure> {
+        let handles =
+            [("def.instance", def.instance), ("def.physical_device", def.physical_device), ("def.device", def.device)];
+        if let Some((name, _)) = handles.iter().find(|(_, handle)| handle.is_null()) {
+            return Err(Failure::null(name));
+        }
+        let [instance, physical_device, device] = handles.map(|(_, handle)| handle.addr() as u64);
+        let def = DeviceDef {
+            get_instance_proc_addr: loader(def.get_instance_proc_addr)?,
+            instance: vk::Instance::from_raw(instance),
+            physical_device: vk::PhysicalDevice::from_raw(physical_device),
+            device: vk::Device::from_raw(device),
+            queue_family: def.queue_family,
+            pipeline_cache,
+            workgroup_size: def.workgroup_size,
+        };
+        Ok(Kind::Hosts(Box::new(Device::new(&def)?)))
+    }
+
+    /// # Safety
+    /// The loader is one, and stays loaded while this lives.
+    pub(super) unsafe fn open(def: &CrumpleVulkanOpenDef, pipeline_cache: &[u8]) -> Result<Self, Failure> {
+        let def = OwnDeviceDef {
+            get_instance_proc_addr: loader(def.get_instance_proc_addr)?,
+            device_uuid: Some(def.device_uuid).filter(|uuid| *uuid != [0; 16]),
+            pipeline_cache,
+            workgroup_size: def.workgroup_size,
+        };
+        Ok(Kind::Own(Box::new(OwnDevice::new(&def)?)))
+    }
+
     pub(super) fn device(&mut self) -> &mut Device {
         match self {
             Kind::Hosts(device) => device,
@@ -68,48 +97,9 @@ struct HostBuffer {
     ranges: usize,
 }
 
-/// A range of a VkBuffer.
-pub(super) struct VulkanMemory {
-    pub(super) target: Target,
-    handle: u64,
-}
-
 impl Attached {
-    /// # Safety
-    /// The handles are valid, belong together, and stay valid while this lives.
-    pub(super) unsafe fn new(def: &CrumpleVulkanAttachDef, pipeline_cache: &[u8]) -> Result<Self, Failure> {
-        let handles =
-            [("def.instance", def.instance), ("def.physical_device", def.physical_device), ("def.device", def.device)];
-        if let Some((name, _)) = handles.iter().find(|(_, handle)| handle.is_null()) {
-            return Err(Failure::new(CrumpleResult::CrumpleErrorNullPointer, format!("{name} is null")));
-        }
-        let [instance, physical_device, device] = handles.map(|(_, handle)| handle.addr() as u64);
-        let def = DeviceDef {
-            get_instance_proc_addr: loader(def.get_instance_proc_addr)?,
-            instance: vk::Instance::from_raw(instance),
-            physical_device: vk::PhysicalDevice::from_raw(physical_device),
-            device: vk::Device::from_raw(device),
-            queue_family: def.queue_family,
-            pipeline_cache,
-            workgroup_size: def.workgroup_size,
-        };
-        Ok(Self::with(Kind::Hosts(Box::new(Device::new(&def)?))))
-    }
-
-    /// # Safety
-    /// The loader is one, and stays loaded while this lives.
-    pub(super) unsafe fn open(def: &CrumpleVulkanOpenDef, pipeline_cache: &[u8]) -> Result<Self, Failure> {
-        let def = OwnDeviceDef {
-            get_instance_proc_addr: loader(def.get_instance_proc_addr)?,
-            device_uuid: Some(def.device_uuid).filter(|uuid| *uuid != [0; 16]),
-            pipeline_cache,
-            workgroup_size: def.workgroup_size,
-        };
-        Ok(Self::with(Kind::Own(Box::new(OwnDevice::new(&def)?))))
-    }
-
-    fn with(device: Kind) -> Self {
-        Self { device, hosts: HashMap::new(), lists: JobLists::default() }
+    pub(super) fn new(device: Kind) -> Self {
+        Self { device, hosts: HashMap::new() }
     }
 
     /// Fails while a frame is in flight that will not be waited for.
@@ -126,20 +116,14 @@ impl Attached {
         Ok(())
     }
 
-    pub(super) fn pipeline_cache(&mut self) -> Result<Vec<u8>, Failure> {
-        Ok(self.device.device().pipeline_cache_data()?)
-    }
-
     /// # Safety
     /// The VkBuffer is as the def says, and lives until it is removed and the frames that wrote it are done.
     pub(super) unsafe fn register(
         &mut self,
         instance: &Instance,
         def: &CrumpleVulkanBufferDef,
-    ) -> Result<VulkanMemory, Failure> {
-        if def.lod > 0 && instance.options().rule != Rule::Marks {
-            return Err(instance.needs_marks("a buffer of another level of detail than 0").into());
-        }
+    ) -> Result<Target, Failure> {
+        check_lod(instance, def.lod)?;
         // Checked before the buffer is added.
         def.target(())?;
         let access = |stages, access| Access {
@@ -171,13 +155,14 @@ impl Attached {
         let host = self.hosts.get_mut(&def.buffer).expect("it was found or inserted");
         host.ranges += usize::from(target.is_ok());
         self.forget(def.buffer)?;
-        Ok(VulkanMemory { target: target?, handle: def.buffer })
+        Ok(target?)
     }
 
-    pub(super) fn remove(&mut self, memory: VulkanMemory) -> Result<(), Failure> {
-        let Some(host) = self.hosts.get_mut(&memory.handle) else { return Ok(()) };
+    pub(super) fn remove(&mut self, target: Target) -> Result<(), Failure> {
+        let handle = target.handle.as_raw();
+        let Some(host) = self.hosts.get_mut(&handle) else { return Ok(()) };
         host.ranges -= 1;
-        self.forget(memory.handle)
+        self.forget(handle)
     }
 
     /// Forgets a buffer of the host's device that no range lies in.
@@ -223,39 +208,16 @@ impl Attached {
         self.hosts.remove(&buffer);
         Ok(())
     }
-
-    /// # Safety
-    /// As [`OwnDevice::import_semaphore`].
-    pub(super) unsafe fn import_semaphore(&mut self, kind: CrumpleHandleType, handle: i64) -> Result<u64, Failure> {
-        let own = self.device.own("crumple_vulkan_import_semaphore()")?;
-        Ok(own.import_semaphore(shared(kind, handle))?.0)
-    }
-
-    pub(super) fn wait(&mut self, frame: u64, nanoseconds: u64) -> Result<bool, Failure> {
-        Ok(self.device.own("crumple_vulkan_wait_frame()")?.wait(frame, nanoseconds)?)
-    }
-
-    pub(super) fn complete(&mut self, frame: u64) -> Result<(), Failure> {
-        self.device.hosts("crumple_vulkan_complete_frames()")?.completed(frame);
-        Ok(())
-    }
-
-    pub(super) fn discard(&mut self, frame: u64) -> Result<(), Failure> {
-        self.device.hosts("crumple_vulkan_discard_frames()")?.discard(frame);
-        Ok(())
-    }
 }
 
 /// # Safety
 /// Where it is not null it is `vkGetInstanceProcAddr`.
 unsafe fn loader(function: CrumpleVulkanFunction) -> Result<vk::PFN_vkGetInstanceProcAddr, Failure> {
-    let Some(function) = function else {
-        return Err(Failure::new(CrumpleResult::CrumpleErrorNullPointer, "def.get_instance_proc_addr is null"));
-    };
+    let function = function.ok_or_else(|| Failure::null("def.get_instance_proc_addr"))?;
     Ok(std::mem::transmute::<unsafe extern "C" fn(), vk::PFN_vkGetInstanceProcAddr>(function))
 }
 
-fn shared(kind: CrumpleHandleType, handle: i64) -> Shared {
+pub(super) fn shared(kind: CrumpleHandleType, handle: i64) -> Shared {
     match kind {
         // What is no file descriptor becomes one that is refused.
         CrumpleHandleType::OpaqueFd => Shared::OpaqueFd(i32::try_from(handle).unwrap_or(-1)),
@@ -291,25 +253,4 @@ fn stream(s: &CrumpleVulkanStream, name: &str) -> Result<Option<Stream>, Failure
     let format = vk::Format::from_raw(s.format as i32);
     let stream = Stream { offset: s.offset, stride: s.stride, format };
     Ok((*s != CrumpleVulkanStream::default()).then_some(stream))
-}
-
-impl VulkanMemory {
-    pub(super) fn invalidate(&mut self) {
-        self.target.invalidate();
-    }
-
-    pub(super) fn changed(&self) -> &[Range<u32>] {
-        self.target.changed()
-    }
-
-    pub(super) fn bounds(&self) -> Option<Aabb> {
-        self.target.bounds()
-    }
-
-    /// What was recorded for `frame` or later will not run.
-    pub(super) fn discard(&mut self, frame: u64) {
-        if self.target.written_in() >= frame {
-            self.target.invalidate();
-        }
-    }
 }

@@ -1,9 +1,5 @@
 //! The render graph's part of the header: what a plan returns.
 
-#[cfg(feature = "vulkan")]
-use super::job_lists::JobLists;
-#[cfg(feature = "vulkan")]
-use crate::graph::{Graph, Target};
 use std::ffi::c_void;
 
 /// Bytes to copy into a storage of the render graph.
@@ -57,12 +53,11 @@ pub struct CrumpleGraphPlan {
     pub reserved: u32,
 }
 
-/// A context's render graph.
+/// A context's render graph, and what its last plan returned.
 #[cfg(feature = "vulkan")]
 #[derive(Default)]
 pub(super) struct GraphState {
-    pub(super) graph: Graph,
-    pub(super) lists: JobLists<Target>,
+    pub(super) graph: crate::graph::Graph,
     pub(super) uploads: Vec<CrumpleGraphUpload>,
     pub(super) dispatches: Vec<CrumpleGraphDispatch>,
 }

@@ -1,15 +1,11 @@
 //! Hits: what the physics engine reports.
 
-use super::c_enum::c_enums;
-use super::check::{Out, array, def, defs, enumerator, finite, positive_or, striker, zeroed};
-use super::context::{CrumpleContext, concurrent};
-use super::result::{CrumpleResult, Failure};
-use super::types::{CrumpleInstance, CrumpleStriker, CrumpleVec3};
+use super::prelude::*;
+use super::types::CrumpleStriker;
 use crate::base::error::reserve;
 use crate::damage::mark::Mark;
 use crate::example::blow::Blow;
 use crate::select::hit::{Cause, Hit, HitStatus, Outcome, Space};
-use std::mem::MaybeUninit;
 use std::num::NonZeroU64;
 
 /// How a hit is given.
@@ -78,23 +74,6 @@ pub struct CrumpleHitResult {
     pub reserved: [u32; 7],
 }
 
-impl CrumpleHitResult {
-    pub(super) fn nothing() -> Self {
-        let zero = [0.0; 3];
-        CrumpleHitResult::from(&Outcome {
-            status: HitStatus::BelowYield,
-            contact_vertex: 0,
-            contact_distance: 0.0,
-            target: zero,
-            achieved: zero,
-            clamped: false,
-            classic: None,
-            mark: None,
-            expected_error: None,
-        })
-    }
-}
-
 impl From<&Outcome> for CrumpleHitResult {
     fn from(outcome: &Outcome) -> Self {
         CrumpleHitResult {
@@ -131,8 +110,7 @@ pub unsafe extern "C" fn crumple_instance_submit_hit(
     concurrent("crumple_instance_submit_hit", context, |context| {
         let (out, hit) = (Out::optional(out_result, "out_result")?, read_hit(def)?);
         let outcome = context.deliver(instance, |inbox| inbox.submit(&hit))?;
-        out.write((&outcome).into());
-        Ok(())
+        out.answer((&outcome).into())
     })
 }
 
@@ -184,8 +162,7 @@ pub unsafe extern "C" fn crumple_instance_preview_hit(
     concurrent("crumple_instance_preview_hit", context, |context| {
         let (out, hit) = (Out::new(out_result, "out_result")?, read_hit(def)?);
         let outcome = context.deliver(instance, |inbox| inbox.preview(&hit))?;
-        out.write((&outcome).into());
-        Ok(())
+        out.answer((&outcome).into())
     })
 }
 
@@ -208,7 +185,7 @@ fn read_blow(def: &CrumpleHitDef) -> Result<Cause, Failure> {
         impulse: def.impulse.known(),
         duration: (duration != 0.0).then_some(duration),
         normal: def.normal.known(),
-        striker: striker(def.striker, "def.striker")?,
+        striker: def.striker.read("def.striker")?,
     };
     if blow.total_impulse().is_none() {
         // Zero: the hit is too weak, not wrong.

@@ -1,17 +1,15 @@
 //! Instances: bodies in the scene.
 
-use super::boundary::{granted, succeeds};
-use super::check::{Out, def, defs, enumerator, finite, positive_or, read, zeroed};
-use super::context::{CrumpleContext, concurrent, exclusive, find};
-use super::result::{CrumpleResult, Failure};
+use super::boundary::succeeds;
+use super::check::read;
+use super::context::{add_instance, find, reserve_instance};
+use super::prelude::*;
 use super::store::InstanceEntry;
-use super::types::{CrumpleExampleSet, CrumpleInstance, CrumpleRule, CrumpleSelection};
+use super::types::{CrumpleRule, CrumpleSelection};
 use crate::instance::Instance;
 use crate::instance::options::{InstanceOptions, Rule};
 use crate::select::hit::Selection;
 use glam::Mat4;
-use std::mem::MaybeUninit;
-use std::sync::PoisonError;
 
 /// Options of an instance.
 #[repr(C)]
@@ -94,20 +92,11 @@ pub unsafe extern "C" fn crumple_instance_create(
         let mut instance = Instance::new(set, options(&def)?)?;
         instance.set_time(state.time)?;
         instance.set_transform(Mat4::from_cols_array(&finite(def.local_to_world, "def.local_to_world")?))?;
-        let mut inboxes = context.inboxes.write().unwrap_or_else(PoisonError::into_inner);
-        state.instances.reserve::<CrumpleInstance>()?;
-        inboxes.reserve::<CrumpleInstance>()?;
+        let mut inboxes = context.no_hits();
+        reserve_instance(state, &mut inboxes)?;
         granted()?;
-        let inbox: CrumpleInstance = inboxes.insert(instance.inbox().clone());
-        let id = state.instances.insert(InstanceEntry {
-            instance,
-            set: def.set,
-            buffers: Vec::new(),
-            user_data: def.user_data,
-        });
-        assert_eq!(inbox, id, "the two lists of instances went apart");
-        out.write(id);
-        Ok(())
+        let entry = InstanceEntry { instance, set: def.set, buffers: Vec::new(), user_data: def.user_data };
+        out.answer(add_instance(state, &mut inboxes, entry))
     })
 }
 
@@ -115,12 +104,13 @@ pub unsafe extern "C" fn crumple_instance_create(
 const SET_LIMIT: &str = "that of the example set";
 
 fn options(def: &CrumpleInstanceDef) -> Result<InstanceOptions, Failure> {
-    let rule = enumerator(def.rule, "def.rule")?;
-    let yield_impulse = finite([def.yield_impulse], "def.yield_impulse")?[0];
-    let yield_displacement = finite([def.yield_displacement], "def.yield_displacement")?[0];
-    let blend_constant = finite([def.blend_constant], "def.blend_constant")?[0];
+    let [yield_impulse] = finite([def.yield_impulse], "def.yield_impulse")?;
+    let [yield_displacement] = finite([def.yield_displacement], "def.yield_displacement")?;
+    let [blend_constant] = finite([def.blend_constant], "def.blend_constant")?;
+    let [grow_time] = finite([def.grow_time], "def.grow_time")?;
+    let (distance, compliance) = ("the body's diagonal", "duration / mass of each impulse");
     Ok(InstanceOptions {
-        rule: match rule {
+        rule: match enumerator(def.rule, "def.rule")? {
             CrumpleRule::Marks => Rule::Marks,
             CrumpleRule::MostDisplaced => Rule::MostDisplaced,
             CrumpleRule::Blend => Rule::Blend(blend_constant),
@@ -133,14 +123,9 @@ fn options(def: &CrumpleInstanceDef) -> Result<InstanceOptions, Failure> {
         capacity: def.mark_capacity,
         yield_impulse,
         yield_displacement,
-        max_contact_distance: positive_or(
-            def.max_contact_distance,
-            "def.max_contact_distance",
-            "m",
-            "the body's diagonal",
-        )?,
-        grow_time: finite([def.grow_time], "def.grow_time")?[0],
-        compliance: positive_or(def.compliance, "def.compliance", "m per N s", "duration / mass of each impulse")?,
+        max_contact_distance: positive_or(def.max_contact_distance, "def.max_contact_distance", "m", distance)?,
+        grow_time,
+        compliance: positive_or(def.compliance, "def.compliance", "m per N s", compliance)?,
     })
 }
 
@@ -152,11 +137,8 @@ pub unsafe extern "C" fn crumple_instance_destroy(
 ) -> CrumpleResult {
     exclusive("crumple_instance_destroy", context, |context, state| {
         let entry = state.instances.remove(instance, "instance")?;
-        context.inboxes.write().unwrap_or_else(PoisonError::into_inner).remove(instance, "instance")?;
-        for buffer in entry.buffers {
-            state.remove_buffer(buffer)?;
-        }
-        Ok(())
+        context.no_hits().remove(instance, "instance")?;
+        entry.buffers.into_iter().try_for_each(|buffer| state.remove_buffer(buffer))
     })
 }
 
@@ -187,9 +169,7 @@ pub unsafe extern "C" fn crumple_instance_get_user_data(
     out_data: *mut u64,
 ) -> CrumpleResult {
     exclusive("crumple_instance_get_user_data", context, |_, state| {
-        let out = Out::new(out_data, "out_data")?;
-        out.write(state.instances.get(instance, "instance")?.user_data);
-        Ok(())
+        Out::new(out_data, "out_data")?.answer(state.instances.get(instance, "instance")?.user_data)
     })
 }
 
@@ -207,7 +187,7 @@ pub unsafe extern "C" fn crumple_instance_get_info(
             Rule::Marks => (entry.instance.marks()?.len() as u32, entry.instance.contact_count() as u32),
             _ => (0, 0),
         };
-        let info = CrumpleInstanceInfo {
+        out.answer(CrumpleInstanceInfo {
             set: entry.set,
             memory_bytes: entry.instance.memory_bytes() as u64,
             mark_count,
@@ -216,9 +196,7 @@ pub unsafe extern "C" fn crumple_instance_get_info(
             contact_count,
             revision: entry.instance.revision(),
             reserved: [0; 2],
-        };
-        out.write(info);
-        Ok(())
+        })
     })
 }
 
@@ -248,6 +226,6 @@ pub unsafe extern "C" fn crumple_instance_set_depth_limit(
 ) -> CrumpleResult {
     exclusive("crumple_instance_set_depth_limit", context, |_, state| {
         let limit = positive_or(depth_limit, "depth_limit", "m", SET_LIMIT)?;
-        Ok(state.instances.get_mut(instance, "instance")?.instance.set_depth_limit(limit)?)
+        Ok(state.body(instance)?.set_depth_limit(limit)?)
     })
 }

@@ -1,87 +1,145 @@
-//! The buffers that a recording or a plan writes, as jobs for the graphics device.
+//! The buffers that a deform, a recording or a plan writes, as jobs for what writes them.
 
-use super::deform::Chosen;
-use super::ids::Slots;
-use super::job_lists::{JobLists, recycled};
 use super::result::Failure;
-use super::store::{BufferEntry, InstanceEntry, Memory};
+use super::store::{BufferEntry, Buffers, Instances, JobList, Memory};
 use super::types::CrumpleBuffer;
-use super::vulkan_types::CrumpleRecordReport;
 use crate::base::memory::may_fail;
 use crate::base::tasks::TaskSystem;
-use crate::gpu::{FrameReport, Job};
-use crate::{graph, vulkan};
+#[cfg(feature = "vulkan")]
+use crate::gpu::Job;
+use crate::instance::Instance;
+use crate::instance::deform::{DeformJob, fold_all};
 
-/// A kind of buffer on a graphics device.
-pub(super) trait DeviceTarget: Sized + 'static {
-    /// Whether a buffer's memory is of this kind.
-    fn is_of(memory: &Memory) -> bool;
-    fn of(memory: &mut Memory) -> Option<&mut Self>;
+/// A job that writes a kind of buffer.
+pub(super) trait BufferJob {
+    type Of<'a>;
+    /// Whether it writes such memory.
+    fn writes(memory: &Memory) -> bool;
+    /// A job for memory of this kind.
+    fn new<'a>(instance: &'a Instance, entry: &'a mut BufferEntry) -> Result<Option<Self::Of<'a>>, Failure>;
 }
 
-impl DeviceTarget for vulkan::Target {
-    fn is_of(memory: &Memory) -> bool {
+impl BufferJob for DeformJob<'static, 'static> {
+    type Of<'a> = DeformJob<'a, 'static>;
+
+    fn writes(memory: &Memory) -> bool {
+        matches!(memory, Memory::Host(..))
+    }
+
+    fn new<'a>(instance: &'a Instance, entry: &'a mut BufferEntry) -> Result<Option<Self::Of<'a>>, Failure> {
+        let Memory::Host(memory, tracker) = &mut entry.memory else { return Ok(None) };
+        // SAFETY: the header asks that the memory is there until the buffer is unregistered, and left alone during the call.
+        let memory = unsafe { memory.vertices()? };
+        Ok(Some(DeformJob { lod: entry.lod, instance, tracker, memory }))
+    }
+}
+
+#[cfg(feature = "vulkan")]
+impl BufferJob for Job<'static, crate::vulkan::Target> {
+    type Of<'a> = Job<'a, crate::vulkan::Target>;
+
+    fn writes(memory: &Memory) -> bool {
         matches!(memory, Memory::Vulkan(_))
     }
 
-    fn of(memory: &mut Memory) -> Option<&mut Self> {
-        if let Memory::Vulkan(memory) = memory { Some(&mut memory.target) } else { None }
+    fn new<'a>(instance: &'a Instance, entry: &'a mut BufferEntry) -> Result<Option<Self::Of<'a>>, Failure> {
+        let Memory::Vulkan(target) = &mut entry.memory else { return Ok(None) };
+        Ok(Some(Job { instance, target }))
     }
 }
 
-impl DeviceTarget for graph::Target {
-    fn is_of(memory: &Memory) -> bool {
+#[cfg(feature = "vulkan")]
+impl BufferJob for Job<'static, crate::graph::Target> {
+    type Of<'a> = Job<'a, crate::graph::Target>;
+
+    fn writes(memory: &Memory) -> bool {
         matches!(memory, Memory::Graph(_))
     }
 
-    fn of(memory: &mut Memory) -> Option<&mut Self> {
-        if let Memory::Graph(target) = memory { Some(target) } else { None }
+    fn new<'a>(instance: &'a Instance, entry: &'a mut BufferEntry) -> Result<Option<Self::Of<'a>>, Failure> {
+        let Memory::Graph(target) = &mut entry.memory else { return Ok(None) };
+        Ok(Some(Job { instance, target }))
     }
 }
 
-/// Folds the hits of the chosen buffers' instances, and calls `f` with a job for each buffer.
-pub(super) fn with_jobs<T: DeviceTarget, R>(
+/// Calls `f` with a job for each buffer that a call names, those of the array `given` or, where its `pointer` is null, all of a kind.
+/// Hits that wait become damage first: of all instances where all buffers are named, so that the damage of a body does not depend on
+/// whether it has a buffer; else of the instances that own these buffers.
+pub(super) fn with_jobs<J: BufferJob, R>(
     tasks: &dyn TaskSystem,
-    (instances, entries): (&mut Slots<InstanceEntry>, &mut Slots<BufferEntry>),
-    lists: &mut JobLists<T>,
+    (instances, entries): (&mut Instances, &mut Buffers),
+    list: &mut JobList<J>,
     (pointer, given): (*const CrumpleBuffer, &[CrumpleBuffer]),
-    f: impl FnOnce(&mut [Job<'_, T>]) -> Result<R, Failure>,
+    f: impl FnOnce(&mut [J::Of<'_>]) -> Result<R, Failure>,
 ) -> Result<R, Failure> {
-    let most = if pointer.is_null() { entries.len() } else { given.len() };
-    let chosen = Chosen::new(pointer, given, &mut lists.chosen, |id, name| {
-        let memory = &entries.get(id, name)?.memory;
-        if T::is_of(memory) { Ok(()) } else { Err(memory.written_elsewhere(name)) }
-    })?;
-    let written = |(id, entry): &(CrumpleBuffer, &BufferEntry)| T::is_of(&entry.memory) && chosen.names(*id);
-    chosen.fold(instances, entries.iter::<CrumpleBuffer>().filter(written), tasks)?;
-    let mut jobs = recycled(std::mem::take(&mut lists.jobs));
-    may_fail(|| jobs.try_reserve(most)).map_err(|_| Failure::out_of_memory("the list of jobs"))?;
-    for (id, entry) in entries.iter_mut::<CrumpleBuffer>() {
-        let Some(target) = T::of(&mut entry.memory) else { continue };
-        if chosen.names(id) {
-            jobs.push(Job { instance: &instances.get(entry.owner, "instance")?.instance, target });
+    let all = pointer.is_null();
+    let chosen = &mut list.chosen;
+    chosen.clear();
+    may_fail(|| chosen.try_reserve(given.len())).map_err(|_| Failure::out_of_memory("the list of buffers"))?;
+    for (i, &id) in given.iter().enumerate() {
+        let name = format!("buffers[{i}]");
+        let memory = &entries.get(id, &name)?.memory;
+        if !J::writes(memory) {
+            return Err(memory.written_elsewhere(&name));
+        }
+        chosen.push(id);
+    }
+    chosen.sort_unstable_by_key(|id| id.index);
+    if let Some([twice, _]) = chosen.array_windows().find(|[a, b]| a == b) {
+        return Err(Failure::invalid(format!("buffers names buffer {} twice; name each once", twice.index)));
+    }
+    let named = |id: CrumpleBuffer| all || chosen.binary_search_by_key(&id.index, |c| c.index).is_ok();
+    let of_kind = |(id, entry): &(CrumpleBuffer, &BufferEntry)| J::writes(&entry.memory) && named(*id);
+    if cfg!(debug_assertions) {
+        apart(entries.iter().filter(of_kind))?;
+    }
+    if all {
+        fold_all(instances.iter_mut().map(|(_, entry)| &mut entry.instance), tasks);
+    } else {
+        for (_, entry) in entries.iter().filter(of_kind) {
+            instances.get_mut(entry.owner, "instance")?.instance.fold();
         }
     }
+    let mut jobs = recycled(std::mem::take(&mut list.jobs));
+    let most = if all { entries.len() } else { given.len() };
+    may_fail(|| jobs.try_reserve(most)).map_err(|_| Failure::out_of_memory("the list of jobs"))?;
+    for (_, entry) in entries.iter_mut().filter(|(id, _)| named(*id)) {
+        jobs.extend(J::new(&instances.get(entry.owner, "instance")?.instance, entry)?);
+    }
     let result = f(&mut jobs);
-    lists.jobs = recycled(jobs);
+    list.jobs = recycled(jobs);
     if result.is_ok() {
-        for (id, entry) in entries.iter_mut::<CrumpleBuffer>() {
-            if T::is_of(&entry.memory) {
-                entry.included = chosen.names(id);
-            }
+        for (id, entry) in entries.iter_mut().filter(|(_, entry)| J::writes(&entry.memory)) {
+            entry.included = named(id);
         }
     }
     result
 }
 
-pub(super) fn c_report(report: FrameReport) -> CrumpleRecordReport {
-    CrumpleRecordReport {
-        vertices_written: report.vertices_written,
-        blocks_written: report.blocks_written,
-        blocks_skipped: report.blocks_skipped,
-        bytes_copied: report.bytes_copied,
-        dispatches: report.dispatches,
-        vertices_waiting: report.vertices_waiting,
-        ..CrumpleRecordReport::default()
+/// Refuses host buffers that share memory.
+fn apart<'a>(entries: impl Iterator<Item = (CrumpleBuffer, &'a BufferEntry)>) -> Result<(), Failure> {
+    let mut layouts = Vec::new();
+    for (id, entry) in entries {
+        if let Memory::Host(memory, _) = &entry.memory {
+            layouts.extend(memory.streams().map(|stream| (stream.layout, id.index)));
+        }
     }
+    layouts.sort_unstable_by_key(|(layout, _)| layout.first);
+    for (i, (a, x)) in layouts.iter().enumerate() {
+        for (b, y) in layouts[i + 1..].iter().take_while(|(b, _)| b.first < a.span().end) {
+            if x != y && a.overlaps(b) {
+                return Err(Failure::invalid(format!(
+                    "the memory of buffers {x} and {y} overlaps; each needs its own"
+                )));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The same list, empty, for elements that differ in their lifetimes.
+fn recycled<A, B>(mut list: Vec<A>) -> Vec<B> {
+    list.clear();
+    // Collecting in place keeps the allocation.
+    list.into_iter().map(|_| -> B { unreachable!("the list is empty") }).collect()
 }

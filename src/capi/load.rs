@@ -1,29 +1,17 @@
 //! Example sets from files.
+#![cfg_attr(not(feature = "obj"), allow(unused_imports, unused_variables))]
 
-#[cfg(feature = "gltf")]
-use super::build::read_options;
-use super::build::{CrumpleExampleSetOptions, default_options};
-use super::check::{Out, array, def, defs, item, required_string, zeroed};
-#[cfg(feature = "gltf")]
-use super::check::{boolean, string};
-#[cfg(feature = "gltf")]
-use super::context::Context;
-use super::context::{CrumpleContext, exclusive};
-#[cfg(feature = "gltf")]
-use super::primitive::c_string;
-use super::primitive::{CrumplePart, CrumplePrimitive};
-use super::result::{CrumpleResult, Failure};
-#[cfg(feature = "gltf")]
+use super::boundary::built_with;
+use super::build::{CrumpleExampleSetOptions, default_options, read_options};
+use super::check::item;
+use super::prelude::*;
 use super::set::insert_set;
-#[cfg(feature = "gltf")]
-use super::store::State;
-#[cfg(feature = "gltf")]
-use super::tasks::Quiet;
-use super::types::CrumpleExampleSet;
-#[cfg(feature = "gltf")]
+use super::store::{CrumplePartKind, SetEntry, Stretch, c_string};
+use crate::base::error::reserve;
 use crate::example::set::ExampleSet;
-use std::ffi::{c_char, c_void};
-use std::mem::MaybeUninit;
+#[cfg(feature = "gltf")]
+use crate::io::import::{self, MeshChoice, PartKind, Patterns, Reading};
+use std::path::{Path, PathBuf};
 
 /// Which mesh of a glTF file to load, and the options of the set.
 #[repr(C)]
@@ -75,6 +63,35 @@ pub struct CrumpleObjDef {
     pub options: CrumpleExampleSetOptions,
 }
 
+/// A stretch of the mesh with one material. material is its name (UTF-8, valid until the set is destroyed) or null.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct CrumplePrimitive {
+    pub material: *const c_char,
+    pub first_vertex: u32,
+    pub vertex_count: u32,
+    /// First triangle. Its first index is 3 * first_triangle.
+    pub first_triangle: u32,
+    pub triangle_count: u32,
+    pub reserved: [u32; 2],
+}
+
+/// A part of a body that was loaded with join_nodes. It is a mesh of its own, and a stretch of the base mesh with the same
+/// vertices and triangles in the same order.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct CrumplePart {
+    /// As crumple_example_set_find_part() takes it, UTF-8, valid until the set is destroyed. Never null.
+    pub name: *const c_char,
+    pub kind: CrumplePartKind,
+    pub first_vertex: u32,
+    pub vertex_count: u32,
+    /// First triangle. Its first index is 3 * first_triangle.
+    pub first_triangle: u32,
+    pub triangle_count: u32,
+    pub reserved: [u32; 3],
+}
+
 defs!(CrumpleGltfDef, CrumpleObjDef);
 
 #[unsafe(no_mangle)]
@@ -94,20 +111,12 @@ pub unsafe extern "C" fn crumple_example_set_load_gltf(
     def: *const CrumpleGltfDef,
     out_set: *mut CrumpleExampleSet,
 ) -> CrumpleResult {
-    exclusive("crumple_example_set_load_gltf", context, |context, state| {
+    built_with!("gltf", exclusive, "crumple_example_set_load_gltf", context, |context, state| {
         let (def, out) = (self::def(def, "def")?, Out::new(out_set, "out_set")?);
         let path = required_string(def.path, "def.path")?;
-        #[cfg(feature = "gltf")]
-        {
-            let nodes = patterns(def.nodes, "def.nodes")?;
-            let imported = crate::io::import::gltf_file(path.as_ref(), reading(&def, &nodes)?)?;
-            add_imported(context, state, imported, &def.options, out)
-        }
-        #[cfg(not(feature = "gltf"))]
-        {
-            let _ = (context, state, path, out);
-            Err(Failure::not_built("gltf"))
-        }
+        let nodes = patterns(def.nodes, "def.nodes")?;
+        let imported = import::gltf_file(path.as_ref(), reading(&def, &nodes)?)?;
+        add_imported(context, state, imported, &def.options, out)
     })
 }
 
@@ -120,21 +129,13 @@ pub unsafe extern "C" fn crumple_example_set_load_gltf_memory(
     def: *const CrumpleGltfDef,
     out_set: *mut CrumpleExampleSet,
 ) -> CrumpleResult {
-    exclusive("crumple_example_set_load_gltf_memory", context, |context, state| {
+    built_with!("gltf", exclusive, "crumple_example_set_load_gltf_memory", context, |context, state| {
         let (def, out) = (self::def(def, "def")?, Out::new(out_set, "out_set")?);
         let bytes = array(data.cast::<u8>(), size, "data")?;
-        #[cfg(feature = "gltf")]
-        {
-            let nodes = patterns(def.nodes, "def.nodes")?;
-            let folder = string(def.path, "def.path")?.map(std::path::Path::new);
-            let imported = crate::io::import::gltf_slice(bytes, folder, reading(&def, &nodes)?)?;
-            add_imported(context, state, imported, &def.options, out)
-        }
-        #[cfg(not(feature = "gltf"))]
-        {
-            let _ = (context, state, def, bytes, out);
-            Err(Failure::not_built("gltf"))
-        }
+        let nodes = patterns(def.nodes, "def.nodes")?;
+        let folder = string(def.path, "def.path")?.map(Path::new);
+        let imported = import::gltf_slice(bytes, folder, reading(&def, &nodes)?)?;
+        add_imported(context, state, imported, &def.options, out)
     })
 }
 
@@ -154,48 +155,33 @@ pub unsafe extern "C" fn crumple_example_set_load_obj(
     def: *const CrumpleObjDef,
     out_set: *mut CrumpleExampleSet,
 ) -> CrumpleResult {
-    exclusive("crumple_example_set_load_obj", context, |context, state| {
+    built_with!("obj", exclusive, "crumple_example_set_load_obj", context, |context, state| {
         let (def, out) = (self::def(def, "def")?, Out::new(out_set, "out_set")?);
         let base = required_string(def.base_path, "def.base_path")?;
         let paths = array(def.example_paths, def.example_count as usize, "def.example_paths")?;
-        let mut examples = crate::base::error::reserve(paths.len(), "def.example_paths")?;
+        let mut examples = reserve(paths.len(), "def.example_paths")?;
         for (i, &path) in paths.iter().enumerate() {
-            let name = format!("def.example_paths[{i}]");
-            examples.push(std::path::PathBuf::from(required_string(path, &name)?));
+            examples.push(PathBuf::from(required_string(path, &format!("def.example_paths[{i}]"))?));
         }
-        #[cfg(feature = "obj")]
-        {
-            let imported = crate::io::import::obj_files(base.as_ref(), &examples)?;
-            add_imported(context, state, imported, &def.options, out)
-        }
-        #[cfg(not(feature = "obj"))]
-        {
-            let _ = (context, state, base, examples, out);
-            Err(Failure::not_built("obj"))
-        }
+        let imported = import::obj_files(base.as_ref(), &examples)?;
+        add_imported(context, state, imported, &def.options, out)
     })
 }
 
 #[cfg(feature = "gltf")]
-unsafe fn patterns(text: *const c_char, name: &str) -> Result<crate::io::import::Patterns, Failure> {
-    let lines = string(text, name)?.unwrap_or_default().lines();
-    Ok(crate::io::import::Patterns::new(lines.filter(|line| !line.is_empty())))
+unsafe fn patterns(text: *const c_char, name: &str) -> Result<Patterns, Failure> {
+    Ok(Patterns::new(string(text, name)?.unwrap_or_default().lines().filter(|line| !line.is_empty())))
 }
 
 #[cfg(feature = "gltf")]
-unsafe fn reading<'d>(
-    def: &'d CrumpleGltfDef,
-    nodes: &'d crate::io::import::Patterns,
-) -> Result<crate::io::import::Reading<'d>, Failure> {
-    use crate::io::import::{MeshChoice, Reading};
-    let mesh = match (string(def.mesh_name, "def.mesh_name")?, def.mesh_index) {
-        _ if boolean(def.join_nodes) || !nodes.is_empty() => MeshChoice::Nodes(nodes),
-        (Some(name), _) => MeshChoice::Name(name),
-        (None, u32::MAX) => MeshChoice::First,
-        (None, index) => MeshChoice::Index(index as usize),
-    };
+unsafe fn reading<'d>(def: &'d CrumpleGltfDef, nodes: &'d Patterns) -> Result<Reading<'d>, Failure> {
     Ok(Reading {
-        mesh,
+        mesh: match (string(def.mesh_name, "def.mesh_name")?, def.mesh_index) {
+            _ if boolean(def.join_nodes) || !nodes.is_empty() => MeshChoice::Nodes(nodes),
+            (Some(name), _) => MeshChoice::Name(name),
+            (None, u32::MAX) => MeshChoice::First,
+            (None, index) => MeshChoice::Index(index as usize),
+        },
         targets: patterns(def.targets, "def.targets")?,
         rigid: patterns(def.rigid, "def.rigid")?,
         glass: patterns(def.glass, "def.glass")?,
@@ -208,37 +194,48 @@ unsafe fn reading<'d>(
 unsafe fn add_imported(
     context: &Context,
     state: &mut State,
-    imported: crate::io::import::Imported,
+    imported: import::Imported,
     options: &CrumpleExampleSetOptions,
     out: Out<CrumpleExampleSet>,
 ) -> Result<(), Failure> {
     let options = read_options(options, imported.mesh.positions.len())?;
-    let (parts, meshes) = (imported.parts.clone(), imported.part_meshes());
-    let text = |name: &Option<String>| name.as_deref().map(c_string);
-    let materials: Vec<_> = imported.primitives.iter().map(|p| text(&p.material)).collect();
-    let primitives = imported.primitives.iter().zip(&materials).map(|(p, material)| CrumplePrimitive {
-        material: material.as_ref().map_or(std::ptr::null(), |m| m.as_ptr()),
-        ..CrumplePrimitive::new(
-            p.first_vertex..p.first_vertex + p.vertex_count,
-            p.first_triangle..p.first_triangle + p.triangle_count,
-        )
-    });
-    let primitives = primitives.collect();
-    let materials = materials.into_iter().flatten().collect();
-    let transform = imported.node_transform.map(|m| *bytemuck::cast_ref(&m));
-    let file = (c_string(&imported.name), primitives, materials, transform);
     for note in &imported.notes {
-        context.log(super::context::CrumpleLogLevel::Warning, note);
+        context.log(CrumpleLogLevel::Warning, note);
     }
-    state.sets.reserve::<CrumpleExampleSet>()?;
-    let tasks = Quiet(context.tasks());
-    let mut set = ExampleSet::build(imported.mesh, imported.examples, options, &tasks)?;
+    let meshes = imported.part_meshes();
+    let mut set = ExampleSet::build(imported.mesh, imported.examples, options, &context.tasks)?;
     for mesh in meshes {
-        set.add_lod(mesh, &tasks)?;
+        set.add_lod(mesh, &context.tasks)?;
     }
-    let id = insert_set(context, state, set, file, out)?;
-    state.sets.get_mut(id, "set")?.parts = parts.into_iter().map(Into::into).collect();
-    Ok(())
+    let range = |first: u32, count: u32| first..first + count;
+    let mut entry = SetEntry { name: c_string(&imported.name), ..SetEntry::new(set) };
+    entry.primitives = imported
+        .primitives
+        .iter()
+        .map(|p| Stretch {
+            name: p.material.as_deref().map(c_string),
+            vertices: range(p.first_vertex, p.vertex_count),
+            triangles: range(p.first_triangle, p.triangle_count),
+        })
+        .collect();
+    entry.parts = imported
+        .parts
+        .iter()
+        .map(|p| {
+            let kind = match p.kind {
+                PartKind::Dents => CrumplePartKind::Dents,
+                PartKind::Rigid => CrumplePartKind::Rigid,
+                PartKind::Glass => CrumplePartKind::Glass,
+            };
+            let (vertices, triangles) =
+                (range(p.first_vertex, p.vertex_count), range(p.first_triangle, p.triangle_count));
+            (kind, Stretch { name: Some(c_string(&p.name)), vertices, triangles })
+        })
+        .collect();
+    if let Some(columns) = &imported.node_transform {
+        entry.node_transform = *bytemuck::cast_ref(columns);
+    }
+    insert_set(context, state, entry, out)
 }
 
 /// Returns the vertices and triangles of the primitive with an index below primitive_count.
@@ -251,8 +248,15 @@ pub unsafe extern "C" fn crumple_example_set_get_primitive(
 ) -> CrumpleResult {
     exclusive("crumple_example_set_get_primitive", context, |_, state| {
         let out = Out::new(out_primitive, "out_primitive")?;
-        out.write(*item(&state.sets.get(set, "set")?.primitives, primitive, "primitive")?);
-        Ok(())
+        let primitive = item(&state.sets.get(set, "set")?.primitives, primitive, "primitive")?;
+        out.answer(CrumplePrimitive {
+            material: primitive.name(),
+            first_vertex: primitive.vertices.start,
+            vertex_count: primitive.vertices.len() as u32,
+            first_triangle: primitive.triangles.start,
+            triangle_count: primitive.triangles.len() as u32,
+            reserved: [0; 2],
+        })
     })
 }
 
@@ -269,12 +273,12 @@ pub unsafe extern "C" fn crumple_example_set_find_part(
     exclusive("crumple_example_set_find_part", context, |_, state| {
         let (name, out) = (required_string(name, "name")?, Out::new(out_lod, "out_lod")?);
         let parts = &state.sets.get(set, "set")?.parts;
-        let at = parts.iter().position(|part| part.name.to_bytes() == name.as_bytes()).ok_or_else(|| {
-            let names: Vec<_> = parts.iter().map(|part| part.name.to_string_lossy()).collect();
+        let names = || parts.iter().filter_map(|(_, part)| part.name.as_ref());
+        let at = names().position(|part| part.to_bytes() == name.as_bytes()).ok_or_else(|| {
+            let names: Vec<_> = names().map(|part| part.to_string_lossy()).collect();
             Failure::invalid(format!("name is '{name}'; it must be one of the set's {} parts: {names:?}", parts.len()))
         })?;
-        out.write(at as u32 + 1);
-        Ok(())
+        out.answer(at as u32 + 1)
     })
 }
 
@@ -291,10 +295,17 @@ pub unsafe extern "C" fn crumple_example_set_get_part(
         let out = Out::new(out_part, "out_part")?;
         let parts = &state.sets.get(set, "set")?.parts;
         let found = (part as usize).checked_sub(1).and_then(|at| parts.get(at));
-        let found = found.ok_or_else(|| {
+        let (kind, part) = found.ok_or_else(|| {
             Failure::invalid(format!("part is {part}; it must be one of the set's parts, 1 to {}", parts.len()))
         })?;
-        out.write(found.told());
-        Ok(())
+        out.answer(CrumplePart {
+            name: part.name(),
+            kind: *kind,
+            first_vertex: part.vertices.start,
+            vertex_count: part.vertices.len() as u32,
+            first_triangle: part.triangles.start,
+            triangle_count: part.triangles.len() as u32,
+            reserved: [0; 3],
+        })
     })
 }

@@ -1,10 +1,15 @@
 //! The caller's arrays, checked before a byte is touched: pointers, alignment, strides, sizes.
 
-use super::result::{CrumpleResult, Failure};
-use super::types::CrumpleStream;
+use super::check::{defs, enumerator};
+use super::result::Failure;
+use super::types::{CrumpleDirectionFormat, CrumpleStream};
 use crate::base::error::reserve;
 use crate::base::strided::Strided;
+use crate::deform::{Attribute, Encoding, RawStream, VertexMemory};
+use crate::instance::Instance;
+use crate::instance::options::Rule;
 use std::ffi::c_void;
+use std::mem::MaybeUninit;
 
 /// An array that Crumple reads during the call. Element i is at data + i * stride. The field that uses it states count
 /// and type. All fields zero: absent.
@@ -45,10 +50,7 @@ fn checked(
 
 fn absent(is_null: bool, size: usize, name: &str) -> Result<bool, Failure> {
     if is_null && size != 0 {
-        return Err(Failure::new(
-            CrumpleResult::CrumpleErrorNullPointer,
-            format!("{name}.data is null but {name}.size is {size} bytes"),
-        ));
+        return Err(Failure::null_pointer(format!("{name}.data is null but {name}.size is {size} bytes")));
     }
     Ok(is_null)
 }
@@ -92,8 +94,7 @@ pub(super) unsafe fn read_required<T: Element>(
     count: usize,
     name: &str,
 ) -> Result<Vec<T>, Failure> {
-    read(input, count, name)?
-        .ok_or_else(|| Failure::new(CrumpleResult::CrumpleErrorNullPointer, format!("{name}.data is null")))
+    read(input, count, name)?.ok_or_else(|| Failure::null(&format!("{name}.data")))
 }
 
 /// An output array that was checked.
@@ -111,18 +112,31 @@ unsafe impl Sync for Stream {}
 
 impl Stream {
     /// Checks that `count` elements of `element` bytes fit; nothing where the stream is absent.
-    pub(super) fn new(
-        stream: CrumpleStream,
-        element: usize,
-        count: usize,
-        name: &str,
-    ) -> Result<Option<Self>, Failure> {
+    fn new(name: &str, stream: CrumpleStream, (element, count): (usize, usize)) -> Result<Option<Self>, Failure> {
         if absent(stream.data.is_null(), stream.size, name)? {
             return Ok(None);
         }
         let place = (stream.data.addr(), stream.size, stream.offset, stream.stride);
         let layout = checked(place, (element, 4, count), name)?;
         Ok(Some(Self { data: stream.data.cast::<u8>().wrapping_add(stream.offset), layout }))
+    }
+
+    /// Checks output arrays, each with its name, the bytes of an element and their number. They must not share bytes.
+    pub(super) fn all<const N: usize>(
+        given: [(&str, CrumpleStream, (usize, usize)); N],
+    ) -> Result<[Option<Self>; N], Failure> {
+        let mut found = [None; N];
+        for (i, (a, stream, size)) in given.into_iter().enumerate() {
+            found[i] = Self::new(a, stream, size)?;
+            let Some(x) = found[i] else { continue };
+            if let Some(k) = (0..i).find(|k| found[*k].is_some_and(|y: Self| x.layout.overlaps(&y.layout))) {
+                return Err(Failure::invalid(format!(
+                    "{a} and {b} overlap; each must have bytes of its own (interleaved arrays need one stride and offsets apart)",
+                    b = given[k].0
+                )));
+            }
+        }
+        Ok(found)
     }
 
     /// Writes all elements.
@@ -138,34 +152,89 @@ impl Stream {
     }
 }
 
-/// Refuses output arrays that share bytes.
-pub(super) fn disjoint(streams: &[(&str, Option<Stream>)]) -> Result<(), Failure> {
-    for (i, (a, x)) in streams.iter().enumerate() {
-        for (b, y) in &streams[..i] {
-            if let (Some(x), Some(y)) = (x, y)
-                && x.layout.overlaps(&y.layout)
-            {
-                return Err(Failure::invalid(format!(
-                    "{a} and {b} overlap; each must have bytes of its own (interleaved arrays need one stride and offsets apart)"
-                )));
-            }
-        }
+/// Memory for the deformed vertices of one instance, in the mesh's order and space.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct CrumpleHostBufferDef {
+    pub struct_size: u32,
+    /// Which mesh: 0 for the base mesh, or a number from crumple_example_set_add_lod(). Default 0.
+    pub lod: u32,
+    /// Any number of yours. Default 0.
+    pub user_data: u64,
+    /// Positions, m. Required.
+    pub positions: CrumpleStream,
+    /// Unit normals in normal_format. Absent: not written.
+    pub normals: CrumpleStream,
+    /// Tangents in tangent_format: xyz of unit length and orthogonal to the normal, w as in the mesh. Absent: not
+    /// written.
+    pub tangents: CrumpleStream,
+    pub normal_format: MaybeUninit<CrumpleDirectionFormat>,
+    pub tangent_format: MaybeUninit<CrumpleDirectionFormat>,
+}
+
+defs!(CrumpleHostBufferDef);
+
+/// Fails for a mesh that instances with this one's rule cannot show.
+pub(super) fn check_lod(instance: &Instance, lod: u32) -> Result<(), Failure> {
+    if lod > 0 && instance.options().rule != Rule::Marks {
+        return Err(instance.needs_marks("a buffer of another level of detail than 0").into());
     }
     Ok(())
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+/// Checked memory of the host.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct HostMemory {
+    positions: Stream,
+    normals: Option<Stream>,
+    tangents: Option<Stream>,
+    /// Formats of normals and tangents.
+    formats: [Encoding; 2],
+}
 
-    #[test]
-    fn sizes_do_not_overflow() {
-        let max = usize::MAX & !3;
-        assert!(checked((4096, 100, 0, max), (12, 4, 3), "x").is_err());
-        assert!(checked((4096, max, 0, 12), (12, 4, 1), "x").is_err());
-        assert!(checked((4096, 100, max, 12), (12, 4, 1), "x").is_err());
-        assert!(checked((4096, 36, 0, 12), (12, 4, 3), "x").is_ok());
-        assert!(checked((4096, 35, 0, 12), (12, 4, 3), "x").is_err());
-        assert!(checked((4098, 36, 0, 12), (12, 4, 3), "x").is_err());
+impl HostMemory {
+    pub(super) fn new(def: &CrumpleHostBufferDef, instance: &Instance) -> Result<Self, Failure> {
+        check_lod(instance, def.lod)?;
+        let mesh = instance.example_set().lod_mesh(def.lod as usize)?;
+        let n = mesh.positions().len();
+        let formats = [
+            enumerator(def.normal_format, "def.normal_format")?,
+            enumerator(def.tangent_format, "def.tangent_format")?,
+        ];
+        let bytes = |format, floats| if format == CrumpleDirectionFormat::Float { floats } else { 4 };
+        let [positions, normals, tangents] = Stream::all([
+            ("def.positions", def.positions, (12, n)),
+            ("def.normals", def.normals, (bytes(formats[0], 12), n)),
+            ("def.tangents", def.tangents, (bytes(formats[1], 16), n)),
+        ])?;
+        if normals.is_some() && mesh.normals().is_none() {
+            return Err(Failure::mesh("it has no normals to deform, nor triangles to compute them from"));
+        }
+        if tangents.is_some() && mesh.tangents().is_none() {
+            return Err(Failure::mesh("it has no tangents to deform"));
+        }
+        let positions =
+            positions.ok_or_else(|| Failure::null_pointer("def.positions.data is null; a buffer needs positions"))?;
+        Ok(Self { positions, normals, tangents, formats: formats.map(Encoding::from) })
+    }
+
+    /// The memory as the deformer sees it.
+    ///
+    /// # Safety
+    /// The host's memory is still there, and nobody else touches it while a deform runs.
+    pub(super) unsafe fn vertices(&self) -> Result<VertexMemory<'static>, Failure> {
+        let raw = |s: &Stream, format| RawStream {
+            data: s.data,
+            size: (s.layout.span().end - s.layout.first) as usize,
+            layout: Attribute { offset: 0, stride: s.layout.stride as usize, format },
+        };
+        let [normals, tangents] = [(&self.normals, self.formats[0]), (&self.tangents, self.formats[1])]
+            .map(|(s, format)| s.as_ref().map(|s| raw(s, format)));
+        // SAFETY: the caller's; `new` checked sizes, alignment, strides and that the streams are disjoint.
+        Ok(unsafe { VertexMemory::from_raw(raw(&self.positions, Encoding::F32), normals, tangents) }?)
+    }
+
+    pub(super) fn streams(&self) -> impl Iterator<Item = Stream> {
+        [Some(self.positions), self.normals, self.tangents].into_iter().flatten()
     }
 }

@@ -7,9 +7,9 @@
 //!
 //! Layers, each of which uses only those before it:
 //! 1. `result`, `c_enum`, `boundary`, `check`, `types`, `memory`, `ids`, `tasks`: what every call needs;
-//! 2. `primitive`, `host_memory`, `vulkan_types`, `job_lists`, `graph_types`, `device`, `store`: what a context holds;
-//! 3. `context`: who may be inside when;
-//! 4. `jobs`, and the entry points: `set`, `build`, `instance`, `hit` and so on.
+//! 2. `vulkan_types`, `graph_types`, `device`, `store`, `jobs`: what a context holds;
+//! 3. `context`: who may be inside when, and `prelude`: what nearly every entry point uses of all that;
+//! 4. the entry points: `set`, `build`, `instance`, `hit` and so on.
 //!
 //! # Safety
 //! One contract holds for every `unsafe fn` below that states none of its own. Each pointer that a C caller passes, as an argument
@@ -26,29 +26,22 @@ mod context;
 mod damage;
 mod deform;
 mod hit;
-mod host_memory;
 mod instance;
 mod result;
 mod set;
-mod set_info;
 mod tasks;
 mod types;
 mod version;
 
 // crumple_build.h
+mod authoring;
 mod build;
-mod example_info;
-mod keep_out;
-mod map_damage;
 mod memory;
 
 // crumple_import.h
 mod load;
-mod primitive;
 
 // crumple_parts.h
-mod attach;
-mod colliders;
 mod parts;
 
 // crumple_contacts.h
@@ -76,22 +69,20 @@ mod check;
 #[cfg(feature = "vulkan")]
 mod device;
 mod ids;
-mod job_lists;
-#[cfg(feature = "vulkan")]
 mod jobs;
+mod prelude;
 mod store;
 
 #[cfg(test)]
-mod thread_tests;
+mod tests;
 
 /// The entry points and what they take, for the fuzzer.
 #[cfg(fuzzing)]
 #[doc(hidden)]
 pub mod entry_points {
     pub use super::{
-        allocator::*, attach::*, buffer::*, build::*, colliders::*, contact_ids::*, contacts::*, context::*, damage::*,
-        deform::*, example_info::*, graph::*, graph_types::*, hit::*, host_memory::*, instance::*, keep_out::*,
-        load::*, map_damage::*, memory::*, parts::*, primitive::*, result::*, set::*, set_info::*, share::*, tasks::*,
-        types::*, version::*, view::*, vulkan::*, vulkan_types::*,
+        allocator::*, authoring::*, buffer::*, build::*, contact_ids::*, contacts::*, context::*, damage::*, deform::*,
+        graph::*, graph_types::*, hit::*, instance::*, load::*, memory::*, parts::*, result::*, set::*, share::*,
+        store::*, tasks::*, types::*, version::*, view::*, vulkan::*, vulkan_types::*,
     };
 }

@@ -1,7 +1,7 @@
 //! What a call answers: a result, and a text that names what was wrong.
 
 use super::c_enum::number;
-use crate::base::error::ErrorKind;
+use crate::base::error::{Error, ErrorKind};
 use std::cell::RefCell;
 use std::ffi::{CStr, c_char};
 use std::mem::MaybeUninit;
@@ -101,7 +101,15 @@ impl Failure {
     }
 
     pub(super) fn null(name: &str) -> Self {
-        Self::new(CrumpleResult::CrumpleErrorNullPointer, format!("{name} is null"))
+        Self::null_pointer(format!("{name} is null"))
+    }
+
+    pub(super) fn null_pointer(message: impl Into<String>) -> Self {
+        Self::new(CrumpleResult::CrumpleErrorNullPointer, message)
+    }
+
+    pub(super) fn mesh(what: impl Into<String>) -> Self {
+        Error::Mesh { what: what.into() }.into()
     }
 
     #[cfg(not(all(feature = "gltf", feature = "obj", feature = "vulkan")))]
@@ -124,8 +132,8 @@ impl Failure {
     }
 }
 
-impl From<crate::base::error::Error> for Failure {
-    fn from(error: crate::base::error::Error) -> Self {
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
         use CrumpleResult::*;
         let result = match error.kind() {
             ErrorKind::InvalidArgument => CrumpleErrorInvalidArgument,

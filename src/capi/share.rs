@@ -1,10 +1,7 @@
 //! A set in several contexts.
 
-use super::boundary::granted;
-use super::check::Out;
-use super::context::{CrumpleContext, exclusive, look_into};
-use super::result::{CrumpleResult, Failure};
-use super::types::CrumpleExampleSet;
+use super::context::look_into;
+use super::prelude::*;
 
 /// Gives a set to another context too, without a copy, such as one that loads levels on another thread. Destroying the
 /// set in one does not affect the other. Both contexts are in use during the call. Add levels of detail before.
@@ -21,10 +18,9 @@ pub unsafe extern "C" fn crumple_example_set_share(
         if context == other {
             return Err(Failure::invalid("other is context itself; its ids of the set already work there"));
         }
-        let entry = look_into(context, |state| Ok(state.sets.get(set, "set")?.shared()))?;
-        state.sets.reserve::<CrumpleExampleSet>()?;
+        let entry = look_into(context, |state| Ok(state.sets.get(set, "set")?.clone()))?;
+        state.sets.reserve()?;
         granted()?;
-        out.write(state.sets.insert(entry));
-        Ok(())
+        out.answer(state.sets.insert(entry))
     })
 }

@@ -1,56 +1,81 @@
 //! What a context holds: example sets, instances and buffers, by id.
 
 #[cfg(feature = "vulkan")]
-use super::device::{Attached, VulkanMemory};
+use super::device::Attached;
 #[cfg(feature = "vulkan")]
 use super::graph_types::GraphState;
-use super::host_memory::HostMemory;
 use super::ids::Slots;
-use super::primitive::{CrumplePrimitive, PartEntry};
+use super::memory::HostMemory;
 use super::result::Failure;
 use super::types::{CrumpleBuffer, CrumpleExampleSet, CrumpleInstance};
-use crate::base::math::Aabb;
 use crate::deform::Tracker;
 use crate::example::set::ExampleSet;
+#[cfg(feature = "vulkan")]
+use crate::gpu::{Job, PlanTarget};
 use crate::instance::Instance;
 use crate::instance::deform::DeformJob;
-use std::ffi::CString;
+use std::ffi::{CString, c_char};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// What a context keeps of a set.
+/// What contexts keep of a set.
 pub(super) struct SetEntry {
     pub(super) set: Arc<ExampleSet>,
     /// The mesh's name in the file it came from.
     pub(super) name: CString,
     /// The examples' names.
     pub(super) names: Vec<CString>,
-    pub(super) primitives: Vec<CrumplePrimitive>,
-    /// What `primitives` points to.
-    pub(super) materials: Vec<CString>,
-    pub(super) node_transform: Option<[f32; 16]>,
+    pub(super) primitives: Vec<Stretch>,
     /// The parts of a glTF body: lods 1 and up.
-    pub(super) parts: Vec<PartEntry>,
+    pub(super) parts: Vec<(CrumplePartKind, Stretch)>,
+    pub(super) node_transform: [f32; 16],
+}
+
+/// A stretch of the base mesh: a primitive, with the name of its material, or a part, with its own.
+pub(super) struct Stretch {
+    pub(super) name: Option<CString>,
+    pub(super) vertices: Range<u32>,
+    pub(super) triangles: Range<u32>,
+}
+
+/// What a part of a body does when it is hit.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(dead_code)] // made by `From`, with glTF
+pub enum CrumplePartKind {
+    /// It dents.
+    Dents = 0,
+    /// It never moves, such as a wheel.
+    Rigid = 1,
+    /// It follows dents around it. See crumple_instance_set_part_rigid().
+    Glass = 2,
 }
 
 impl SetEntry {
-    /// The same set for another context.
-    pub(super) fn shared(&self) -> Self {
-        let materials = self.materials.clone();
-        let moved = |primitive: &CrumplePrimitive| {
-            let at = self.materials.iter().position(|material| material.as_ptr() == primitive.material);
-            CrumplePrimitive { material: at.map_or(std::ptr::null(), |at| materials[at].as_ptr()), ..*primitive }
-        };
+    /// A set that came without a file's names: one primitive, and no parts.
+    pub(super) fn new(set: ExampleSet) -> Self {
+        let (vertices, triangles) = (set.vertex_count() as u32, set.mesh().triangles().len() as u32);
         SetEntry {
-            set: self.set.clone(),
-            name: self.name.clone(),
-            names: self.names.clone(),
-            primitives: self.primitives.iter().map(moved).collect(),
-            materials,
-            node_transform: self.node_transform,
-            parts: self.parts.clone(),
+            name: CString::default(),
+            names: set.examples().iter().map(|example| c_string(example.name())).collect(),
+            primitives: vec![Stretch { name: None, vertices: 0..vertices, triangles: 0..triangles }],
+            parts: Vec::new(),
+            node_transform: glam::Mat4::IDENTITY.to_cols_array(),
+            set: Arc::new(set),
         }
     }
+}
+
+impl Stretch {
+    /// The name for C, valid as long as this, or null.
+    pub(super) fn name(&self) -> *const c_char {
+        self.name.as_ref().map_or(std::ptr::null(), |name| name.as_ptr())
+    }
+}
+
+/// A text of any origin as one that C can read.
+pub(super) fn c_string(text: &str) -> CString {
+    CString::new(text.replace('\0', "\u{fffd}")).unwrap_or_default()
 }
 
 /// What a context keeps of an instance.
@@ -75,7 +100,7 @@ pub(super) struct BufferEntry {
 pub(super) enum Memory {
     Host(HostMemory, Tracker),
     #[cfg(feature = "vulkan")]
-    Vulkan(VulkanMemory),
+    Vulkan(crate::vulkan::Target),
     #[cfg(feature = "vulkan")]
     Graph(crate::graph::Target),
 }
@@ -92,60 +117,64 @@ impl Memory {
         };
         Failure::invalid(format!("{name} {what}"))
     }
-}
 
-impl BufferEntry {
-    pub(super) fn new(owner: CrumpleInstance, lod: u32, memory: Memory, user_data: u64) -> Self {
-        BufferEntry { owner, lod: lod as usize, memory, user_data, included: false }
+    /// What the memory holds, and what the last deform or recording wrote.
+    pub(super) fn tracker(&self) -> &Tracker {
+        match self {
+            Memory::Host(_, tracker) => tracker,
+            #[cfg(feature = "vulkan")]
+            Memory::Vulkan(target) => &target.state().tracker,
+            #[cfg(feature = "vulkan")]
+            Memory::Graph(target) => &target.state().tracker,
+        }
     }
 
+    /// Forgets what the memory holds.
     pub(super) fn invalidate(&mut self) {
-        match &mut self.memory {
+        match self {
             Memory::Host(_, tracker) => tracker.invalidate(),
             #[cfg(feature = "vulkan")]
-            Memory::Vulkan(memory) => memory.invalidate(),
+            Memory::Vulkan(target) => target.invalidate(),
             #[cfg(feature = "vulkan")]
             Memory::Graph(target) => target.invalidate(),
         }
     }
+}
 
-    /// What the last deform or recording wrote.
-    pub(super) fn changed(&self) -> &[Range<u32>] {
-        match &self.memory {
-            Memory::Host(_, tracker) => tracker.changed(),
-            #[cfg(feature = "vulkan")]
-            Memory::Vulkan(memory) => memory.changed(),
-            #[cfg(feature = "vulkan")]
-            Memory::Graph(target) => target.changed(),
-        }
-    }
+pub(super) type Instances = Slots<CrumpleInstance, InstanceEntry>;
+pub(super) type Buffers = Slots<CrumpleBuffer, BufferEntry>;
 
-    pub(super) fn bounds(&self) -> Option<Aabb> {
-        match &self.memory {
-            Memory::Host(_, tracker) => tracker.bounds(),
-            #[cfg(feature = "vulkan")]
-            Memory::Vulkan(memory) => memory.bounds(),
-            #[cfg(feature = "vulkan")]
-            Memory::Graph(target) => target.bounds(),
-        }
+/// The room for a call's lists of buffers and of jobs, which is kept between frames.
+pub(super) struct JobList<J> {
+    pub(super) chosen: Vec<CrumpleBuffer>,
+    /// Empty between calls.
+    pub(super) jobs: Vec<J>,
+}
+
+impl<J> Default for JobList<J> {
+    fn default() -> Self {
+        JobList { chosen: Vec::new(), jobs: Vec::new() }
     }
 }
 
 /// What only one thread may touch at a time.
 pub(super) struct State {
-    pub(super) sets: Slots<SetEntry>,
-    pub(super) instances: Slots<InstanceEntry>,
-    pub(super) buffers: Slots<BufferEntry>,
-    /// 0: none.
+    pub(super) sets: Slots<CrumpleExampleSet, Arc<SetEntry>>,
+    pub(super) instances: Instances,
+    pub(super) buffers: Buffers,
+    /// The most vertices that a call writes.
     pub(super) vertex_budget: u64,
     /// The time for dents that grow, s.
     pub(super) time: f64,
-    /// The room of a deform's list, empty between calls.
-    pub(super) jobs: Vec<DeformJob<'static, 'static>>,
+    pub(super) host_jobs: JobList<DeformJob<'static, 'static>>,
     #[cfg(feature = "vulkan")]
     pub(super) vulkan: Option<Attached>,
     #[cfg(feature = "vulkan")]
+    pub(super) vulkan_jobs: JobList<Job<'static, crate::vulkan::Target>>,
+    #[cfg(feature = "vulkan")]
     pub(super) graph: GraphState,
+    #[cfg(feature = "vulkan")]
+    pub(super) graph_jobs: JobList<Job<'static, crate::graph::Target>>,
 }
 
 impl State {
@@ -155,28 +184,35 @@ impl State {
             sets: Slots::new(tag),
             instances: Slots::new(tag),
             buffers: Slots::new(tag),
-            vertex_budget: 0,
+            vertex_budget: u64::MAX,
             time: 0.0,
-            jobs: Vec::new(),
+            host_jobs: JobList::default(),
             #[cfg(feature = "vulkan")]
             vulkan: None,
             #[cfg(feature = "vulkan")]
+            vulkan_jobs: JobList::default(),
+            #[cfg(feature = "vulkan")]
             graph: GraphState::default(),
+            #[cfg(feature = "vulkan")]
+            graph_jobs: JobList::default(),
         }
     }
 
-    /// The most vertices that a call writes.
-    pub(super) fn vertex_budget(&self) -> u64 {
-        if self.vertex_budget == 0 { u64::MAX } else { self.vertex_budget }
+    /// An instance, by the argument `instance`.
+    pub(super) fn body(&mut self, instance: CrumpleInstance) -> Result<&mut Instance, Failure> {
+        Ok(&mut self.instances.get_mut(instance, "instance")?.instance)
     }
 
-    /// Removes a buffer, but not from those of its owner.
-    pub(super) fn remove_buffer(&mut self, buffer: CrumpleBuffer) -> Result<CrumpleInstance, Failure> {
+    /// Removes a buffer, also from those of its owner, if that is still there.
+    pub(super) fn remove_buffer(&mut self, buffer: CrumpleBuffer) -> Result<(), Failure> {
         let entry = self.buffers.remove(buffer, "buffer")?;
-        #[cfg(feature = "vulkan")]
-        if let (Memory::Vulkan(memory), Some(vulkan)) = (entry.memory, &mut self.vulkan) {
-            vulkan.remove(memory)?;
+        if let Ok(owner) = self.instances.get_mut(entry.owner, "instance") {
+            owner.buffers.retain(|b| *b != buffer);
         }
-        Ok(entry.owner)
+        #[cfg(feature = "vulkan")]
+        if let (Memory::Vulkan(target), Some(vulkan)) = (entry.memory, &mut self.vulkan) {
+            vulkan.remove(target)?;
+        }
+        Ok(())
     }
 }

@@ -137,9 +137,9 @@ impl TaskSystem for HostTasks {
 }
 
 /// Makes the panics of tasks as silent as those of the entry point that waits for them.
-pub(super) struct Quiet<'a>(pub(super) &'a dyn TaskSystem);
+pub(super) struct Quiet(pub(super) Box<dyn TaskSystem + Send + Sync>);
 
-impl TaskSystem for Quiet<'_> {
+impl TaskSystem for Quiet {
     fn parallel_for(&self, count: usize, task: &(dyn Fn(usize) + Sync)) {
         self.0.parallel_for(count, &|index| {
             if let Err(message) = quietly(|| task(index)) {

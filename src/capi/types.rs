@@ -1,10 +1,12 @@
 //! Values that several calls share.
 
 use super::c_enum::c_enums;
+use super::check::{enumerator, finite, positive_or};
+use super::result::Failure;
 use crate::base::math::Aabb;
 use crate::contacts::options::Impulses;
 use crate::deform::Encoding;
-use crate::example::blow::StrikerShape;
+use crate::example::blow::{Striker, StrikerShape};
 use crate::select::hit::{HitStatus, Space};
 use bytemuck::{Pod, Zeroable};
 use std::ffi::c_void;
@@ -87,6 +89,20 @@ pub struct CrumpleStriker {
     pub velocity: CrumpleVec3,
     pub shape: MaybeUninit<CrumpleStrikerShape>,
     pub reserved: [u32; 2],
+}
+
+impl CrumpleStriker {
+    /// The striker, of which zeros are unknown. `name` is the argument's.
+    pub(super) fn read(self, name: &str) -> Result<Striker, Failure> {
+        let field = |field: &str| format!("{name}.{field}");
+        finite(self.velocity.array(), &field("velocity"))?;
+        Ok(Striker {
+            mass: positive_or(self.mass, &field("mass"), "kg", "an unknown one")?,
+            radius: positive_or(self.radius, &field("radius"), "m", "an unknown one")?,
+            velocity: self.velocity.known(),
+            shape: enumerator(self.shape, &field("shape"))?.into(),
+        })
+    }
 }
 
 /// An axis-aligned box, m.

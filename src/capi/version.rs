@@ -21,14 +21,12 @@ pub const CRUMPLE_FEATURE_HOST_ALLOCATOR: u64 = 4;
 
 pub const CRUMPLE_FEATURE_VULKAN: u64 = 8;
 
-/// Evaluates to 0..=9 digits as a number; the package's version in a constant.
+/// A part of the package's version.
 const fn number(text: &str) -> u32 {
-    let (bytes, mut value, mut i) = (text.as_bytes(), 0, 0);
-    while i < bytes.len() {
-        value = value * 10 + (bytes[i] - b'0') as u32;
-        i += 1;
+    match u32::from_str_radix(text, 10) {
+        Ok(number) => number,
+        Err(_) => panic!("a version has numbers only"),
     }
-    value
 }
 
 const _: () = assert!(

@@ -1,9 +1,7 @@
 //! How finely, and how soon, instances are shown.
 
-use super::check::Out;
-use super::context::{CrumpleContext, exclusive};
-use super::result::CrumpleResult;
-use super::types::CrumpleInstance;
+use super::prelude::*;
+use crate::base::error::Error;
 
 /// Sets the time, s, for instances with a grow_time. Call it once a frame before deforming. When a dent appears, changes or
 /// is repaired, its vertices and attached points move evenly to their new places during grow_time. Marks change at once,
@@ -12,10 +10,10 @@ use super::types::CrumpleInstance;
 pub unsafe extern "C" fn crumple_context_set_time(context: *mut CrumpleContext, time: f64) -> CrumpleResult {
     exclusive("crumple_context_set_time", context, |_, state| {
         if !time.is_finite() {
-            return Err(crate::base::error::Error::NotFinite { name: "time".into(), value: time.to_string() }.into());
+            return Err(Error::NotFinite { name: "time".into(), value: time.to_string() }.into());
         }
         state.time = time;
-        for (_, entry) in state.instances.iter_mut::<CrumpleInstance>() {
+        for (_, entry) in state.instances.iter_mut() {
             entry.instance.set_time(time)?;
         }
         Ok(())
@@ -39,10 +37,7 @@ pub unsafe extern "C" fn crumple_instance_set_view(
 ) -> CrumpleResult {
     exclusive("crumple_instance_set_view", context, |_, state| {
         let out = Out::optional(out_lod, "out_lod")?;
-        let instance = &mut state.instances.get_mut(instance, "instance")?.instance;
-        let lod = instance.set_view(pixels, distance, fov_y, viewport_height)?;
-        out.write(lod as u32);
-        Ok(())
+        out.answer(state.body(instance)?.set_view(pixels, distance, fov_y, viewport_height)? as u32)
     })
 }
 
@@ -56,7 +51,7 @@ pub unsafe extern "C" fn crumple_context_set_vertex_budget(
     vertices: u64,
 ) -> CrumpleResult {
     exclusive("crumple_context_set_vertex_budget", context, |_, state| {
-        state.vertex_budget = vertices;
+        state.vertex_budget = if vertices == 0 { u64::MAX } else { vertices };
         Ok(())
     })
 }

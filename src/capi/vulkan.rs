@@ -1,39 +1,20 @@
 //! Deformation on a graphics device: recorded into the host's own Vulkan command buffers, or submitted by a device of Crumple's.
 #![cfg_attr(not(feature = "vulkan"), allow(unused_imports, unused_variables))]
 
-#[cfg(not(feature = "vulkan"))]
-use super::boundary::boundary;
+use super::boundary::built_with;
 use super::buffer::add_buffer;
-use super::check::{Out, array, def, enumerator, write_array, zeroed};
-use super::context::{CrumpleContext, exclusive};
 #[cfg(feature = "vulkan")]
-use super::device::{Attached, Kind};
+use super::device::{Attached, Kind, shared};
 #[cfg(feature = "vulkan")]
-use super::jobs::{c_report, with_jobs};
-use super::result::{CrumpleResult, Failure};
-use super::store::{BufferEntry, Memory, State};
-use super::types::{CrumpleBuffer, CrumpleInstance, CrumpleVec3};
+use super::jobs::with_jobs;
+use super::prelude::*;
+use super::store::Memory;
 use super::vulkan_types::{
     CrumpleHandleType, CrumpleRecordReport, CrumpleVulkanAttachDef, CrumpleVulkanBufferDef, CrumpleVulkanImportDef,
     CrumpleVulkanOpenDef,
 };
 #[cfg(feature = "vulkan")]
-use crate::base::tasks::TaskSystem;
-#[cfg(feature = "vulkan")]
 use crate::vulkan::{RecordJob, SemaphoreId, vk, vk::Handle};
-use std::ffi::c_void;
-use std::mem::MaybeUninit;
-
-/// The body of an entry point where the library is built with Vulkan; an error elsewhere.
-macro_rules! vulkan {
-    ($call:literal, $body:block) => {{
-        #[cfg(feature = "vulkan")]
-        $body
-        #[cfg(not(feature = "vulkan"))]
-        boundary($call, || Err(Failure::not_built("vulkan")))
-    }};
-}
-pub(super) use vulkan;
 
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_vulkan_attach_def_default() -> CrumpleVulkanAttachDef {
@@ -50,16 +31,9 @@ pub unsafe extern "C" fn crumple_vulkan_attach(
     context: *mut CrumpleContext,
     def: *const CrumpleVulkanAttachDef,
 ) -> CrumpleResult {
-    vulkan!("crumple_vulkan_attach", {
-        exclusive("crumple_vulkan_attach", context, |_, state| {
-            let def = self::def(def, "def")?;
-            if state.vulkan.is_some() {
-                return Err(Failure::invalid("a device is attached already; crumple_vulkan_detach() first"));
-            }
-            let cache = array(def.pipeline_cache.cast::<u8>(), def.pipeline_cache_size, "def.pipeline_cache")?;
-            state.vulkan = Some(Attached::new(&def, cache)?);
-            Ok(())
-        })
+    built_with!("vulkan", exclusive, "crumple_vulkan_attach", context, |_, state| {
+        let def = self::def(def, "def")?;
+        attach(state, (def.pipeline_cache, def.pipeline_cache_size), |cache| Kind::hosts_own(&def, cache))
     })
 }
 
@@ -69,20 +43,13 @@ pub unsafe extern "C" fn crumple_vulkan_attach(
 /// changed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_detach(context: *mut CrumpleContext) -> CrumpleResult {
-    vulkan!("crumple_vulkan_detach", {
-        exclusive("crumple_vulkan_detach", context, |_, state| {
-            attached(state)?.check_idle()?;
-            let of_vulkan = |(id, entry): (CrumpleBuffer, &BufferEntry)| {
-                matches!(entry.memory, Memory::Vulkan(_)).then_some((id, entry.owner))
-            };
-            let theirs: Vec<_> = state.buffers.iter().filter_map(of_vulkan).collect();
-            for (id, owner) in theirs {
-                state.remove_buffer(id)?;
-                state.instances.get_mut(owner, "instance")?.buffers.retain(|b| *b != id);
-            }
-            state.vulkan = None;
-            Ok(())
-        })
+    built_with!("vulkan", exclusive, "crumple_vulkan_detach", context, |_, state| {
+        attached(state)?.check_idle()?;
+        let of_vulkan = state.buffers.iter().filter(|(_, entry)| matches!(entry.memory, Memory::Vulkan(_)));
+        let theirs: Vec<_> = of_vulkan.map(|(id, _)| id).collect();
+        theirs.into_iter().try_for_each(|id| state.remove_buffer(id))?;
+        state.vulkan = None;
+        Ok(())
     })
 }
 
@@ -95,11 +62,9 @@ pub unsafe extern "C" fn crumple_vulkan_get_pipeline_cache(
     capacity: usize,
     out_size: *mut usize,
 ) -> CrumpleResult {
-    vulkan!("crumple_vulkan_get_pipeline_cache", {
-        exclusive("crumple_vulkan_get_pipeline_cache", context, |_, state| {
-            let out = Out::new(out_size, "out_size")?;
-            write_array(&attached(state)?.pipeline_cache()?, data.cast::<u8>(), capacity, "data", out)
-        })
+    built_with!("vulkan", exclusive, "crumple_vulkan_get_pipeline_cache", context, |_, state| {
+        let out = Out::new(out_size, "out_size")?;
+        write_array(&attached(state)?.device.device().pipeline_cache_data()?, data.cast::<u8>(), capacity, "data", out)
     })
 }
 
@@ -132,14 +97,12 @@ pub unsafe extern "C" fn crumple_buffer_register_vulkan(
     def: *const CrumpleVulkanBufferDef,
     out_buffer: *mut CrumpleBuffer,
 ) -> CrumpleResult {
-    vulkan!("crumple_buffer_register_vulkan", {
-        exclusive("crumple_buffer_register_vulkan", context, |_, state| {
-            let (def, out) = (self::def(def, "def")?, Out::new(out_buffer, "out_buffer")?);
-            let owner = &state.instances.get(instance, "instance")?.instance;
-            let vulkan = state.vulkan.as_mut().ok_or_else(not_attached)?;
-            let memory = Memory::Vulkan(vulkan.register(owner, &def)?);
-            add_buffer(state, BufferEntry::new(instance, def.lod, memory, def.user_data), out)
-        })
+    built_with!("vulkan", exclusive, "crumple_buffer_register_vulkan", context, |_, state| {
+        let (def, out) = (self::def(def, "def")?, Out::new(out_buffer, "out_buffer")?);
+        let owner = &state.instances.get(instance, "instance")?.instance;
+        let vulkan = state.vulkan.as_mut().ok_or_else(not_attached)?;
+        let memory = Memory::Vulkan(vulkan.register(owner, &def)?);
+        add_buffer(state, instance, (def.lod, def.user_data), memory, out)
     })
 }
 
@@ -165,19 +128,16 @@ pub unsafe extern "C" fn crumple_vulkan_record(
     count: u32,
     out_report: *mut CrumpleRecordReport,
 ) -> CrumpleResult {
-    vulkan!("crumple_vulkan_record", {
-        exclusive("crumple_vulkan_record", context, |context, state| {
-            let (out, given) = (Out::optional(out_report, "out_report")?, array(buffers, count as usize, "buffers")?);
-            if command_buffer.is_null() {
-                return Err(Failure::null("command_buffer"));
-            }
-            let report = with_device(context.tasks(), state, (buffers, given), |device, jobs| {
-                let commands = vk::CommandBuffer::from_raw(command_buffer.addr() as u64);
-                Ok(device.hosts("crumple_vulkan_record()")?.record(commands, frame, jobs)?)
-            })?;
-            out.write(c_report(report));
-            Ok(())
-        })
+    built_with!("vulkan", exclusive, "crumple_vulkan_record", context, |context, state| {
+        let (out, given) = (Out::optional(out_report, "out_report")?, array(buffers, count as usize, "buffers")?);
+        if command_buffer.is_null() {
+            return Err(Failure::null("command_buffer"));
+        }
+        let report = with_device(context, state, (buffers, given), |device, jobs| {
+            let commands = vk::CommandBuffer::from_raw(command_buffer.addr() as u64);
+            Ok(device.hosts("crumple_vulkan_record()")?.record(commands, frame, jobs)?)
+        })?;
+        out.answer(report.into())
     })
 }
 
@@ -186,8 +146,9 @@ pub unsafe extern "C" fn crumple_vulkan_record(
 /// that frame.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_complete_frames(context: *mut CrumpleContext, frame: u64) -> CrumpleResult {
-    vulkan!("crumple_vulkan_complete_frames", {
-        exclusive("crumple_vulkan_complete_frames", context, |_, state| attached(state)?.complete(frame))
+    built_with!("vulkan", exclusive, "crumple_vulkan_complete_frames", context, |_, state| {
+        attached(state)?.device.hosts("crumple_vulkan_complete_frames()")?.completed(frame);
+        Ok(())
     })
 }
 
@@ -195,16 +156,16 @@ pub unsafe extern "C" fn crumple_vulkan_complete_frames(context: *mut CrumpleCon
 /// their buffers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_discard_frames(context: *mut CrumpleContext, frame: u64) -> CrumpleResult {
-    vulkan!("crumple_vulkan_discard_frames", {
-        exclusive("crumple_vulkan_discard_frames", context, |_, state| {
-            attached(state)?.discard(frame)?;
-            for (_, entry) in state.buffers.iter_mut::<CrumpleBuffer>() {
-                if let Memory::Vulkan(memory) = &mut entry.memory {
-                    memory.discard(frame);
-                }
+    built_with!("vulkan", exclusive, "crumple_vulkan_discard_frames", context, |_, state| {
+        attached(state)?.device.hosts("crumple_vulkan_discard_frames()")?.discard(frame);
+        for (_, entry) in state.buffers.iter_mut() {
+            if let Memory::Vulkan(target) = &mut entry.memory
+                && target.written_in() >= frame
+            {
+                target.invalidate();
             }
-            Ok(())
-        })
+        }
+        Ok(())
     })
 }
 
@@ -224,16 +185,9 @@ pub unsafe extern "C" fn crumple_vulkan_open(
     context: *mut CrumpleContext,
     def: *const CrumpleVulkanOpenDef,
 ) -> CrumpleResult {
-    vulkan!("crumple_vulkan_open", {
-        exclusive("crumple_vulkan_open", context, |_, state| {
-            let def = self::def(def, "def")?;
-            if state.vulkan.is_some() {
-                return Err(Failure::invalid("a device is attached already; crumple_vulkan_detach() first"));
-            }
-            let cache = array(def.pipeline_cache.cast::<u8>(), def.pipeline_cache_size, "def.pipeline_cache")?;
-            state.vulkan = Some(Attached::open(&def, cache)?);
-            Ok(())
-        })
+    built_with!("vulkan", exclusive, "crumple_vulkan_open", context, |_, state| {
+        let def = self::def(def, "def")?;
+        attach(state, (def.pipeline_cache, def.pipeline_cache_size), |cache| Kind::open(&def, cache))
     })
 }
 
@@ -254,21 +208,17 @@ pub unsafe extern "C" fn crumple_vulkan_import_buffer(
     def: *const CrumpleVulkanImportDef,
     out_buffer: *mut u64,
 ) -> CrumpleResult {
-    vulkan!("crumple_vulkan_import_buffer", {
-        exclusive("crumple_vulkan_import_buffer", context, |_, state| {
-            let (def, out) = (self::def(def, "def")?, Out::new(out_buffer, "out_buffer")?);
-            out.write(attached(state)?.import_buffer(&def)?);
-            Ok(())
-        })
+    built_with!("vulkan", exclusive, "crumple_vulkan_import_buffer", context, |_, state| {
+        let (def, out) = (self::def(def, "def")?, Out::new(out_buffer, "out_buffer")?);
+        out.answer(attached(state)?.import_buffer(&def)?)
     })
 }
 
 /// Releases an imported buffer once the device is done with it. CRUMPLE_ERROR_INVALID_ARGUMENT: it still has ranges.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_unimport_buffer(context: *mut CrumpleContext, buffer: u64) -> CrumpleResult {
-    vulkan!("crumple_vulkan_unimport_buffer", {
-        exclusive("crumple_vulkan_unimport_buffer", context, |_, state| attached(state)?.release_buffer(buffer))
-    })
+    built_with!("vulkan", exclusive, "crumple_vulkan_unimport_buffer", context, |_, state| attached(state)?
+        .release_buffer(buffer))
 }
 
 /// Imports a binary semaphore of your device, exported with this handle type. Pass out_semaphore to
@@ -282,13 +232,11 @@ pub unsafe extern "C" fn crumple_vulkan_import_semaphore(
     handle: i64,
     out_semaphore: *mut u64,
 ) -> CrumpleResult {
-    vulkan!("crumple_vulkan_import_semaphore", {
-        exclusive("crumple_vulkan_import_semaphore", context, |_, state| {
-            let out = Out::new(out_semaphore, "out_semaphore")?;
-            let kind = enumerator(handle_type, "handle_type")?;
-            out.write(attached(state)?.import_semaphore(kind, handle)?);
-            Ok(())
-        })
+    built_with!("vulkan", exclusive, "crumple_vulkan_import_semaphore", context, |_, state| {
+        let out = Out::new(out_semaphore, "out_semaphore")?;
+        let shared = shared(enumerator(handle_type, "handle_type")?, handle);
+        let own = attached(state)?.device.own("crumple_vulkan_import_semaphore()")?;
+        out.answer(own.import_semaphore(shared)?.0)
     })
 }
 
@@ -309,22 +257,19 @@ pub unsafe extern "C" fn crumple_vulkan_submit(
     out_frame: *mut u64,
     out_report: *mut CrumpleRecordReport,
 ) -> CrumpleResult {
-    vulkan!("crumple_vulkan_submit", {
-        exclusive("crumple_vulkan_submit", context, |context, state| {
-            let outs = (Out::optional(out_frame, "out_frame")?, Out::optional(out_report, "out_report")?);
-            let (given, waits, signals) = (
-                array(buffers, count as usize, "buffers")?,
-                array(waits, wait_count as usize, "waits")?,
-                array(signals, signal_count as usize, "signals")?,
-            );
-            let ids = |all: &[u64]| all.iter().map(|id| SemaphoreId(*id)).collect::<Vec<_>>();
-            let (frame, report) = with_device(context.tasks(), state, (buffers, given), |device, jobs| {
-                Ok(device.own("crumple_vulkan_submit()")?.submit(jobs, &ids(waits), &ids(signals))?)
-            })?;
-            outs.0.write(frame);
-            outs.1.write(c_report(report));
-            Ok(())
-        })
+    built_with!("vulkan", exclusive, "crumple_vulkan_submit", context, |context, state| {
+        let outs = (Out::optional(out_frame, "out_frame")?, Out::optional(out_report, "out_report")?);
+        let (given, waits, signals) = (
+            array(buffers, count as usize, "buffers")?,
+            array(waits, wait_count as usize, "waits")?,
+            array(signals, signal_count as usize, "signals")?,
+        );
+        let ids = |all: &[u64]| all.iter().map(|id| SemaphoreId(*id)).collect::<Vec<_>>();
+        let (frame, report) = with_device(context, state, (buffers, given), |device, jobs| {
+            Ok(device.own("crumple_vulkan_submit()")?.submit(jobs, &ids(waits), &ids(signals))?)
+        })?;
+        outs.0.write(frame);
+        outs.1.answer(report.into())
     })
 }
 
@@ -338,28 +283,38 @@ pub unsafe extern "C" fn crumple_vulkan_wait_frame(
     timeout: u64,
     out_done: *mut bool,
 ) -> CrumpleResult {
-    vulkan!("crumple_vulkan_wait_frame", {
-        exclusive("crumple_vulkan_wait_frame", context, |_, state| {
-            let out = Out::new(out_done, "out_done")?;
-            out.write(attached(state)?.wait(frame, timeout)?);
-            Ok(())
-        })
+    built_with!("vulkan", exclusive, "crumple_vulkan_wait_frame", context, |_, state| {
+        let out = Out::new(out_done, "out_done")?;
+        out.answer(attached(state)?.device.own("crumple_vulkan_wait_frame()")?.wait(frame, timeout)?)
     })
+}
+
+/// Attaches the device that `make` makes with the data of a pipeline cache.
+#[cfg(feature = "vulkan")]
+unsafe fn attach(
+    state: &mut State,
+    (cache, size): (*const c_void, usize),
+    make: impl FnOnce(&[u8]) -> Result<Kind, Failure>,
+) -> Result<(), Failure> {
+    if state.vulkan.is_some() {
+        return Err(Failure::invalid("a device is attached already; crumple_vulkan_detach() first"));
+    }
+    state.vulkan = Some(Attached::new(make(array(cache.cast::<u8>(), size, "def.pipeline_cache")?)?));
+    Ok(())
 }
 
 /// Calls `f` with the device and a job for each of the chosen buffers.
 #[cfg(feature = "vulkan")]
 fn with_device<R>(
-    tasks: &dyn TaskSystem,
+    context: &Context,
     state: &mut State,
     given: (*const CrumpleBuffer, &[CrumpleBuffer]),
     f: impl FnOnce(&mut Kind, &mut [RecordJob<'_>]) -> Result<R, Failure>,
 ) -> Result<R, Failure> {
-    let budget = state.vertex_budget();
-    let State { instances, buffers: entries, vulkan, .. } = state;
-    let Attached { device, lists, .. } = vulkan.as_mut().ok_or_else(not_attached)?;
-    device.device().set_vertex_budget(budget);
-    with_jobs(tasks, (instances, entries), lists, given, |jobs| f(device, jobs))
+    let State { instances, buffers: entries, vulkan, vulkan_jobs, vertex_budget, .. } = state;
+    let device = &mut vulkan.as_mut().ok_or_else(not_attached)?.device;
+    device.device().set_vertex_budget(*vertex_budget);
+    with_jobs(&context.tasks, (instances, entries), vulkan_jobs, given, |jobs| f(device, jobs))
 }
 
 #[cfg(feature = "vulkan")]

@@ -113,6 +113,21 @@ pub struct CrumpleRecordReport {
     pub reserved: [u64; 3],
 }
 
+#[cfg(feature = "vulkan")]
+impl From<crate::gpu::FrameReport> for CrumpleRecordReport {
+    fn from(report: crate::gpu::FrameReport) -> Self {
+        CrumpleRecordReport {
+            vertices_written: report.vertices_written,
+            blocks_written: report.blocks_written,
+            blocks_skipped: report.blocks_skipped,
+            bytes_copied: report.bytes_copied,
+            dispatches: report.dispatches,
+            vertices_waiting: report.vertices_waiting,
+            ..CrumpleRecordReport::default()
+        }
+    }
+}
+
 /// A Vulkan device that Crumple creates beside yours, on the same physical device. Fields without a comment are as in
 /// CrumpleVulkanAttachDef.
 #[repr(C)]

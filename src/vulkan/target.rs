@@ -38,7 +38,7 @@ pub type TargetDef = gpu::TargetDef<BufferId, vk::Format>;
 #[derive(Debug)]
 pub struct Target {
     pub(super) state: TargetState,
-    pub(super) handle: vk::Buffer,
+    pub(crate) handle: vk::Buffer,
     pub(super) buffer: BufferId,
     /// Index of its window of the buffer.
     pub(super) window: usize,

@@ -32,7 +32,7 @@ struct Part {
 
 /// Of crumple.h, whose opening comment is in cbindgen.toml.
 const CORE: &str = "capi/version capi/result capi/types select/hit contacts/options damage/mark capi/tasks capi/context capi/set \
-                    capi/set_info capi/instance capi/hit capi/contacts capi/damage capi/host_memory capi/buffer capi/deform";
+                    capi/instance capi/hit capi/contacts capi/damage capi/memory capi/buffer capi/deform";
 
 const PARTS: &[Part] = &[
     Part {
@@ -43,19 +43,19 @@ const PARTS: &[Part] = &[
 // Games load baked sets (crumple.h). This header is for what makes them, and for bodies that are made at run time.
 ",
         include: "crumple.h",
-        sources: "example/data example/options capi/memory capi/build capi/keep_out capi/example_info capi/map_damage",
+        sources: "example/data example/options capi/memory capi/build capi/authoring",
     },
     Part {
         name: "crumple_import.h",
         about: "// Crumple: builds example sets from glTF and OBJ files.\n",
         include: "crumple_build.h",
-        sources: "capi/primitive capi/load",
+        sources: "capi/store capi/load",
     },
     Part {
         name: "crumple_parts.h",
         about: "// Crumple: bodies whose parts come off, points that move with the surface, such as lamps, and colliders.\n",
         include: "crumple.h",
-        sources: "capi/parts capi/attach capi/colliders",
+        sources: "capi/parts",
     },
     Part {
         name: "crumple_contacts.h",

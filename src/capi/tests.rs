@@ -1,5 +1,4 @@
-//! Hits from eight threads while another deforms, saves, and makes and destroys bodies. `cargo xtask test --only
-//! threads` runs this under ThreadSanitizer.
+//! Calls from several threads, and into memory of several buffers. ThreadSanitizer and Miri run these (`xtask/src/nightly.rs`).
 
 use super::buffer::*;
 use super::context::*;
@@ -22,15 +21,13 @@ use std::sync::atomic::{AtomicBool, AtomicPtr, Ordering};
 
 const THREADS: u32 = 8;
 const HITS: u32 = 400;
-const SIDE: u32 = 9;
-const N: usize = (SIDE * SIDE) as usize;
 
-/// A baked sheet of 1 m with a dent in its middle.
-fn file() -> Vec<u8> {
-    let at = |i: u32| i as f32 / (SIDE - 1) as f32;
-    let positions: Vec<[f32; 3]> = (0..SIDE * SIDE).map(|v| [at(v % SIDE), at(v / SIDE), 0.0]).collect();
-    let quads = (0..SIDE * (SIDE - 1)).filter(|v| v % SIDE < SIDE - 1);
-    let triangles = quads.flat_map(|v| [[v, v + 1, v + SIDE], [v + SIDE, v + 1, v + SIDE + 1]]).collect();
+/// A baked sheet of 1 m, of so many vertices a side, with a dent in its middle.
+fn file(side: u32) -> Vec<u8> {
+    let at = |i: u32| i as f32 / (side - 1) as f32;
+    let positions: Vec<[f32; 3]> = (0..side * side).map(|v| [at(v % side), at(v / side), 0.0]).collect();
+    let quads = (0..side * (side - 1)).filter(|v| v % side < side - 1);
+    let triangles = quads.flat_map(|v| [[v, v + 1, v + side], [v + side, v + 1, v + side + 1]]).collect();
     let depth = |p: &[f32; 3]| (0.09 - (p[0] - 0.5).powi(2) - (p[1] - 0.5).powi(2)).max(0.0);
     let field = positions.iter().map(|p| [0.0, 0.0, -depth(p)]).collect();
     let mesh = MeshData { positions, triangles, ..MeshData::default() };
@@ -54,9 +51,9 @@ struct Host {
 }
 
 impl Host {
-    fn new() -> Self {
-        let (mut context, mut set, file) = (null_mut(), CrumpleExampleSet::default(), file());
-        let def = CrumpleContextDef { threads: 3, ..crumple_context_def_default() };
+    fn new(side: u32, threads: u32) -> Self {
+        let (mut context, mut set, file) = (null_mut(), CrumpleExampleSet::default(), file(side));
+        let def = CrumpleContextDef { threads, ..crumple_context_def_default() };
         let copy = MaybeUninit::new(CrumpleBytes::Copy);
         // SAFETY: everything lives across the calls.
         unsafe {
@@ -97,27 +94,45 @@ impl Host {
         bytes
     }
 
+    /// A buffer at vertex `first` of `memory`, which must live until it is unregistered.
+    fn buffer(&self, body: CrumpleInstance, memory: &mut [[f32; 3]], first: usize) -> CrumpleBuffer {
+        let (mut buffer, mut def) = (CrumpleBuffer::default(), crumple_host_buffer_def_default());
+        let (data, size) = (memory.as_mut_ptr().cast(), size_of_val(memory));
+        def.positions = CrumpleStream { data, size, offset: 12 * first, stride: 12 };
+        // SAFETY: both live across the call.
+        assert_eq!(unsafe { crumple_buffer_register_host(self.context(), body, &def, &mut buffer) }, R::CrumpleOk);
+        buffer
+    }
+
+    /// Deforms these buffers, or all.
+    fn deform(&self, buffers: &[CrumpleBuffer]) -> R {
+        let pointer = if buffers.is_empty() { null() } else { buffers.as_ptr() };
+        // SAFETY: the memory of all buffers lives until they are unregistered.
+        unsafe { crumple_context_deform(self.context(), pointer, buffers.len() as u32, null_mut()) }
+    }
+
     /// What the thread that owns the context does in a frame.
     fn frame(&self, others: &Mutex<CrumpleInstance>) {
-        let body = *others.lock().unwrap();
-        let (mut memory, mut buffer, mut def) =
-            (vec![[0f32; 3]; N], CrumpleBuffer::default(), crumple_host_buffer_def_default());
-        def.positions = CrumpleStream { data: memory.as_mut_ptr().cast(), size: 12 * N, offset: 0, stride: 12 };
-        let context = self.context();
-        // SAFETY: everything lives until the buffer is unregistered with its body.
-        unsafe {
-            assert_eq!(crumple_buffer_register_host(context, body, &def, &mut buffer), R::CrumpleOk);
-            assert_eq!(crumple_context_deform(context, null(), 0, null_mut()), R::CrumpleOk);
-            self.saved(body);
-            *others.lock().unwrap() = self.body();
-            assert_eq!(crumple_instance_destroy(context, body), R::CrumpleOk);
-        }
+        let (body, mut memory) = (*others.lock().unwrap(), vec![[0f32; 3]; 81]);
+        self.buffer(body, &mut memory, 0);
+        assert_eq!(self.deform(&[]), R::CrumpleOk);
+        self.saved(body);
+        *others.lock().unwrap() = self.body();
+        // SAFETY: its buffer is unregistered with the body.
+        assert_eq!(unsafe { crumple_instance_destroy(self.context(), body) }, R::CrumpleOk);
+    }
+}
+
+impl Drop for Host {
+    fn drop(&mut self) {
+        // SAFETY: the last call.
+        assert_eq!(unsafe { crumple_context_destroy(self.context()) }, R::CrumpleOk);
     }
 }
 
 #[test]
 fn eight_threads_hit_while_another_deforms_saves_and_destroys() {
-    let (host, alone) = (Host::new(), Host::new());
+    let (host, alone) = (Host::new(9, 3), Host::new(9, 3));
     let (kept, others, running) = (host.body(), Mutex::new(host.body()), AtomicBool::new(true));
     std::thread::scope(|scope| {
         scope.spawn(|| {
@@ -151,8 +166,19 @@ fn eight_threads_hit_while_another_deforms_saves_and_destroys() {
         assert_eq!(alone.submit(body, &def), R::CrumpleOk);
     }
     assert!(host.saved(kept) == alone.saved(body), "the moment of a hit changed the damage");
-    for context in [host.context(), alone.context()] {
-        // SAFETY: the last call.
-        assert_eq!(unsafe { crumple_context_destroy(context) }, R::CrumpleOk);
-    }
+}
+
+#[test]
+fn memory_of_two_buffers_must_not_overlap_in_debug_builds() {
+    let (host, mut memory) = (Host::new(3, 1), [[0f32; 3]; 27]);
+    let body = host.body();
+    let [first, beside, across] = [0, 9, 4].map(|vertex| host.buffer(body, &mut memory, vertex));
+    assert_eq!(host.deform(&[first, beside]), R::CrumpleOk);
+    let refused = if cfg!(debug_assertions) { R::CrumpleErrorInvalidArgument } else { R::CrumpleOk };
+    assert_eq!(host.deform(&[]), refused);
+    // SAFETY: a buffer that is there.
+    assert_eq!(unsafe { crumple_buffer_unregister(host.context(), across) }, R::CrumpleOk);
+    assert_eq!(host.deform(&[]), R::CrumpleOk);
+    assert!(!cfg!(debug_assertions) || memory[..9] == memory[9..18], "a buffer that was refused was written");
+    assert_eq!(memory[18..], [[0.0; 3]; 9]);
 }
