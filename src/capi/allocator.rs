@@ -1,11 +1,7 @@
 //! The library's memory from the host's allocator (feature `host-allocator`).
 
 use super::boundary::boundary;
-use super::check::{def, defs, zeroed};
-use super::result::CrumpleResult;
-#[cfg(not(feature = "host-allocator"))]
-use super::result::Failure;
-use std::ffi::c_void;
+use super::prelude::*;
 
 /// Returns size bytes aligned to align (a power of two, at least 16), or null. Must be thread-safe. Must not call
 /// Crumple, throw or longjmp out.
@@ -49,10 +45,8 @@ pub unsafe extern "C" fn crumple_allocator_set(allocator: *const CrumpleAllocato
         #[cfg(not(feature = "host-allocator"))]
         {
             let _ = allocator;
-            Err(Failure::new(
-                CrumpleResult::CrumpleErrorUnsupported,
-                "this build has no host allocator: build the library with the feature host-allocator",
-            ))
+            let message = "this build has no host allocator: build the library with the feature host-allocator";
+            Err(Failure::new(CrumpleResult::CrumpleErrorUnsupported, message))
         }
     })
 }
@@ -63,85 +57,61 @@ mod global {
     //! last byte, the number of the allocator it came from. (After, not before: pointers then point to the begin of
     //! what was allocated, which tools that look for leaks go by.)
 
-    use super::super::result::{CrumpleResult, Failure};
+    use super::super::result::Failure;
     use super::CrumpleAllocatorDef;
     use crate::base::memory::{is_fallible, refuse};
     use std::alloc::{GlobalAlloc, Layout, System};
     use std::ffi::c_void;
-    use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering::*};
+    use std::sync::OnceLock;
+    use std::sync::atomic::{AtomicUsize, Ordering::*};
 
     /// Different hosts there may be; the system's allocator is number 0.
     const HOSTS: usize = 15;
     /// The least alignment asked of a host.
     const ALIGN: usize = 16;
 
-    struct HostCallbacks {
-        alloc: AtomicPtr<c_void>,
-        free: AtomicPtr<c_void>,
-        user: AtomicPtr<c_void>,
+    #[derive(Clone, Copy)]
+    struct Host {
+        alloc: unsafe extern "C" fn(usize, usize, *mut c_void) -> *mut c_void,
+        free: unsafe extern "C" fn(*mut c_void, usize, usize, *mut c_void),
+        user: *mut c_void,
     }
 
-    type Alloc = unsafe extern "C" fn(usize, usize, *mut c_void) -> *mut c_void;
-    type Free = unsafe extern "C" fn(*mut c_void, usize, usize, *mut c_void);
+    // SAFETY: `user` is only handed back to the host, who promised that its functions may be called from any thread.
+    unsafe impl Send for Host {}
+    // SAFETY: as above.
+    unsafe impl Sync for Host {}
 
-    static TABLE: [HostCallbacks; HOSTS] = [const {
-        HostCallbacks {
-            alloc: AtomicPtr::new(std::ptr::null_mut()),
-            free: AtomicPtr::new(std::ptr::null_mut()),
-            user: AtomicPtr::new(std::ptr::null_mut()),
+    impl Host {
+        fn is(&self, other: &Host) -> bool {
+            let place = |host: &Host| (host.alloc as usize, host.free as usize, host.user);
+            place(self) == place(other)
         }
-    }; HOSTS];
+    }
+
+    /// Filled from the front, and never emptied.
+    static TABLE: [OnceLock<Host>; HOSTS] = [const { OnceLock::new() }; HOSTS];
     /// The allocator of new memory: 0 the system's, otherwise a place in `TABLE` plus one.
     static CURRENT: AtomicUsize = AtomicUsize::new(0);
-    /// How many places of `TABLE` are taken; a lock while `usize::MAX`.
-    static TAKEN: AtomicUsize = AtomicUsize::new(0);
 
     pub(super) fn set(allocator: Option<CrumpleAllocatorDef>) -> Result<(), Failure> {
         let Some(def) = allocator else {
             CURRENT.store(0, Release);
             return Ok(());
         };
-        let missing =
-            |what: &str| Failure::new(CrumpleResult::CrumpleErrorNullPointer, format!("allocator.{what} is null"));
-        let alloc = def.alloc.ok_or_else(|| missing("alloc"))? as *mut c_void;
-        let free = def.free.ok_or_else(|| missing("free"))? as *mut c_void;
-        let taken = loop {
-            let taken = TAKEN.swap(usize::MAX, Acquire);
-            if taken != usize::MAX {
-                break taken;
-            }
-            std::hint::spin_loop();
-        };
-        let same = |host: &HostCallbacks| {
-            (host.alloc.load(Relaxed), host.free.load(Relaxed), host.user.load(Relaxed)) == (alloc, free, def.user)
-        };
-        let place = TABLE[..taken].iter().position(same).unwrap_or(taken);
-        if let Some(host) = TABLE.get(place) {
-            host.alloc.store(alloc, Relaxed);
-            host.free.store(free, Relaxed);
-            host.user.store(def.user, Relaxed);
-            CURRENT.store(place + 1, Release);
-        }
-        TAKEN.store(taken.max((place + 1).min(HOSTS)), Release);
-        if place == HOSTS {
-            return Err(Failure::invalid(format!(
-                "{HOSTS} different allocators were set already; set one of them again"
-            )));
-        }
+        let alloc = def.alloc.ok_or_else(|| Failure::null("allocator.alloc"))?;
+        let free = def.free.ok_or_else(|| Failure::null("allocator.free"))?;
+        let host = Host { alloc, free, user: def.user };
+        // The first place that holds it already, or that it fills.
+        let place = TABLE.iter().position(|known| known.get_or_init(|| host).is(&host)).ok_or_else(|| {
+            Failure::invalid(format!("{HOSTS} different allocators were set already; set one of them again"))
+        })?;
+        CURRENT.store(place + 1, Release);
         Ok(())
     }
 
-    fn functions(number: usize) -> (Alloc, Free, *mut c_void) {
-        let host = &TABLE[number - 1];
-        let (alloc, free) = (host.alloc.load(Relaxed), host.free.load(Relaxed));
-        // SAFETY: the place was filled with functions of these types before its number was published.
-        unsafe {
-            (
-                std::mem::transmute::<*mut c_void, Alloc>(alloc),
-                std::mem::transmute::<*mut c_void, Free>(free),
-                host.user.load(Relaxed),
-            )
-        }
+    fn host(number: usize) -> &'static Host {
+        TABLE[number - 1].get().expect("its place was filled before its number was published")
     }
 
     /// The memory with the number after it, and where that lies.
@@ -156,20 +126,20 @@ mod global {
     static GLOBAL: HostAllocator = HostAllocator;
 
     impl HostAllocator {
-        unsafe fn from_host(number: usize, whole: Layout, zeroed: bool) -> *mut u8 {
-            let (alloc, free, user) = functions(number);
-            // SAFETY: the host promised that its functions may be called so.
-            let memory = unsafe { alloc(whole.size(), whole.align(), user) }.cast::<u8>();
-            if !memory.addr().is_multiple_of(whole.align()) {
-                // SAFETY: it came from the line above.
-                unsafe { free(memory.cast(), whole.size(), whole.align(), user) };
-                return std::ptr::null_mut();
+        unsafe fn from_host(host: &Host, whole: Layout, zeroed: bool) -> *mut u8 {
+            // SAFETY: the host promised that its functions may be called so; the memory has `whole.size()` bytes, and goes back as
+            // it came.
+            unsafe {
+                let memory = (host.alloc)(whole.size(), whole.align(), host.user).cast::<u8>();
+                if !memory.addr().is_multiple_of(whole.align()) {
+                    (host.free)(memory.cast(), whole.size(), whole.align(), host.user);
+                    return std::ptr::null_mut();
+                }
+                if zeroed && !memory.is_null() {
+                    memory.write_bytes(0, whole.size());
+                }
+                memory
             }
-            if zeroed && !memory.is_null() {
-                // SAFETY: `whole.size()` bytes are there.
-                unsafe { memory.write_bytes(0, whole.size()) };
-            }
-            memory
         }
 
         unsafe fn take(layout: Layout, zeroed: bool) -> *mut u8 {
@@ -177,7 +147,7 @@ mod global {
             let mut number = CURRENT.load(Acquire);
             let mut memory = std::ptr::null_mut();
             if number != 0 {
-                memory = Self::from_host(number, whole, zeroed);
+                memory = Self::from_host(host(number), whole, zeroed);
                 if memory.is_null() {
                     if is_fallible() {
                         return memory;
@@ -216,8 +186,8 @@ mod global {
                 match memory.add(after).cast::<usize>().read() {
                     0 => System.dealloc(memory, whole),
                     number => {
-                        let (_, free, user) = functions(number);
-                        free(memory.cast(), whole.size(), whole.align(), user);
+                        let host = host(number);
+                        (host.free)(memory.cast(), whole.size(), whole.align(), host.user);
                     }
                 }
             }

@@ -2,10 +2,10 @@
 
 use super::context::StepHit;
 use super::prelude::*;
-use super::types::CrumpleStrikerShape;
 use crate::contacts::options::{ContactOptions, Impulses};
 use crate::contacts::point::ContactPoint;
 use crate::contacts::report::ContactReport;
+use crate::example::blow::StrikerShape;
 use crate::instance::inbox::Inbox;
 use std::sync::Arc;
 
@@ -79,7 +79,7 @@ pub struct CrumpleContactPointDef {
     /// Radii of the surfaces of a and b at the point, m: small for a corner, large for a flat face. Default 0: unknown.
     pub radii: [f32; 2],
     /// Shapes of a and b at the point. Default unknown.
-    pub shapes: [MaybeUninit<CrumpleStrikerShape>; 2],
+    pub shapes: [MaybeUninit<StrikerShape>; 2],
     /// Factor of the point's energy, for the materials of the pair, at least 0. Default 1.
     pub gain: f32,
 }
@@ -235,7 +235,7 @@ unsafe fn read(context: &Context, def: &CrumpleContactPointDef, i: usize) -> Res
         let given = id != CrumpleInstance::default();
         given.then(|| Ok(inboxes.get(id, name).map_err(of)?.clone())).transpose()
     };
-    let shape = |side: usize, name: &str| Ok::<_, Failure>(enumerator(def.shapes[side], name).map_err(of)?.into());
+    let shape = |side: usize, name: &str| enumerator(def.shapes[side], name).map_err(of);
     let known = |x: f32| (x != 0.0).then_some(x);
     let vector = |given: MaybeUninit<bool>, v: CrumpleVec3| boolean(given).then(|| v.array());
     let bodies = [body(def.bodies[0], "bodies[0]")?, body(def.bodies[1], "bodies[1]")?];

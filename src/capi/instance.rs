@@ -5,7 +5,7 @@ use super::check::read;
 use super::context::{add_instance, find, reserve_instance};
 use super::prelude::*;
 use super::store::InstanceEntry;
-use super::types::{CrumpleRule, CrumpleSelection};
+use super::types::CrumpleRule;
 use crate::instance::Instance;
 use crate::instance::options::{InstanceOptions, Rule};
 use crate::select::hit::Selection;
@@ -24,7 +24,7 @@ pub struct CrumpleInstanceDef {
     pub user_data: u64,
     pub rule: MaybeUninit<CrumpleRule>,
     /// How a classic rule selects an example. CRUMPLE_RULE_MARKS needs the default.
-    pub selection: MaybeUninit<CrumpleSelection>,
+    pub selection: MaybeUninit<Selection>,
     /// No vertex moves further than this, m. Default 0: the set's limit.
     pub depth_limit: f32,
     /// Impulses shorter than this leave no mark, N s, in the space of the hit. Default 0.
@@ -115,10 +115,7 @@ fn options(def: &CrumpleInstanceDef) -> Result<InstanceOptions, Failure> {
             CrumpleRule::MostDisplaced => Rule::MostDisplaced,
             CrumpleRule::Blend => Rule::Blend(blend_constant),
         },
-        selection: match enumerator(def.selection, "def.selection")? {
-            CrumpleSelection::Classic => Selection::Classic,
-            CrumpleSelection::ClassicUnclamped => Selection::ClassicUnclamped,
-        },
+        selection: enumerator(def.selection, "def.selection")?,
         depth_limit: positive_or(def.depth_limit, "def.depth_limit", "m", SET_LIMIT)?,
         capacity: def.mark_capacity,
         yield_impulse,

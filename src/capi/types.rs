@@ -7,7 +7,7 @@ use crate::base::math::Aabb;
 use crate::contacts::options::Impulses;
 use crate::deform::Encoding;
 use crate::example::blow::{Striker, StrikerShape};
-use crate::select::hit::{HitStatus, Space};
+use crate::select::hit::{HitStatus, Selection, Space};
 use bytemuck::{Pod, Zeroable};
 use std::ffi::c_void;
 use std::mem::MaybeUninit;
@@ -15,11 +15,11 @@ use std::mem::MaybeUninit;
 c_enums!(
     CrumpleDirectionFormat::Octahedral,
     CrumpleRule::Blend,
-    CrumpleSelection::ClassicUnclamped,
-    CrumpleStrikerShape::Wall,
     HitStatus::Rigid,
     Impulses::ZeroIsUnknown,
+    Selection::ClassicUnclamped,
     Space::World,
+    StrikerShape::Wall,
 );
 
 /// A point or a vector.
@@ -54,29 +54,6 @@ impl From<glam::Vec3> for CrumpleVec3 {
     }
 }
 
-/// The shape of what strikes, at the contact.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(dead_code)] // made by C
-pub enum CrumpleStrikerShape {
-    /// The default.
-    Unknown = 0,
-    /// A ball, or anything round.
-    Ball = 1,
-    /// A pole, an edge, or anything long.
-    Pole = 2,
-    /// A corner of a box.
-    Corner = 3,
-    /// A wall, or any flat face.
-    Wall = 4,
-}
-
-impl From<CrumpleStrikerShape> for StrikerShape {
-    fn from(shape: CrumpleStrikerShape) -> Self {
-        Self::ALL[shape as usize]
-    }
-}
-
 /// What struck a body, as far as it is known. 0 is unknown, which costs accuracy.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
@@ -87,7 +64,7 @@ pub struct CrumpleStriker {
     pub radius: f32,
     /// Its velocity relative to the struck body before they touch, m/s.
     pub velocity: CrumpleVec3,
-    pub shape: MaybeUninit<CrumpleStrikerShape>,
+    pub shape: MaybeUninit<StrikerShape>,
     pub reserved: [u32; 2],
 }
 
@@ -100,7 +77,7 @@ impl CrumpleStriker {
             mass: positive_or(self.mass, &field("mass"), "kg", "an unknown one")?,
             radius: positive_or(self.radius, &field("radius"), "m", "an unknown one")?,
             velocity: self.velocity.known(),
-            shape: enumerator(self.shape, &field("shape"))?.into(),
+            shape: enumerator(self.shape, &field("shape"))?,
         })
     }
 }
@@ -204,16 +181,4 @@ pub enum CrumpleRule {
     MostDisplaced = 1,
     /// The classic rule "blend", which uses blend_constant. Otherwise like CRUMPLE_RULE_MOST_DISPLACED.
     Blend = 2,
-}
-
-/// How a classic rule selects the example for a hit.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(dead_code)] // made by C
-pub enum CrumpleSelection {
-    /// The one example that moves the contact vertex most nearly in the target's direction, with a weight of at most 1. The
-    /// default.
-    Classic = 0,
-    /// Without the weight limit. Diverges at weights above 2.
-    ClassicUnclamped = 1,
 }

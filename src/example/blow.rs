@@ -19,11 +19,11 @@ pub struct Blow {
     pub striker: Striker,
 }
 
-/// The shape of what strikes. Strikers of one shape leave dents that are alike.
-#[repr(u8)]
+/// The shape of what strikes, at the contact.
+#[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub enum StrikerShape {
-    /// Unknown.
+    /// The default.
     #[default]
     Unknown = 0,
     /// A ball, or anything round.
@@ -37,6 +37,9 @@ pub enum StrikerShape {
 }
 
 impl StrikerShape {
+    /// <!--
+    /// cbindgen:ignore
+    /// -->
     /// All of them, by number.
     pub const ALL: [Self; 5] = [Self::Unknown, Self::Ball, Self::Pole, Self::Corner, Self::Wall];
 
@@ -61,7 +64,7 @@ pub struct Striker {
     pub velocity: Option<[f32; 3]>,
     /// Radius of its surface at the contact, m. Above 0: small for a corner, large for a flat face.
     pub radius: Option<f32>,
-    /// Its shape at the contact.
+    /// Its shape at the contact. Strikers of one shape leave dents that are alike.
     pub shape: StrikerShape,
 }
 

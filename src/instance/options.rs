@@ -30,7 +30,7 @@ impl Rule {
 pub struct InstanceOptions {
     /// What an impulse leaves.
     pub rule: Rule,
-    /// How a classic rule chooses an example.
+    /// How a classic rule chooses an example. The default is that of the paper's Figure 4.2; the other is for comparison.
     pub selection: Selection,
     /// The furthest that any vertex moves, m. `None`: the set's limit.
     pub depth_limit: Option<f32>,

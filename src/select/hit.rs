@@ -76,15 +76,16 @@ impl Hit {
     }
 }
 
-/// How a classic rule chooses an example.
+/// How a classic rule selects the example for a hit.
+#[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Selection {
-    /// The paper's Figure 4.2: the example with the best cosine among those that move the nearest vertex, anchored. Its
-    /// weight is at most 1.
+    /// The one example that moves the contact vertex most nearly in the target's direction, with a weight of at most 1. The
+    /// default.
     #[default]
-    Classic,
-    /// Like `Classic`, but the weight has no limit. The rule diverges for weights above 2. For comparison.
-    ClassicUnclamped,
+    Classic = 0,
+    /// Without the weight limit. Diverges at weights above 2.
+    ClassicUnclamped = 1,
 }
 
 /// What became of a hit.

@@ -31,8 +31,8 @@ struct Part {
 }
 
 /// Of crumple.h, whose opening comment is in cbindgen.toml.
-const CORE: &str = "capi/version capi/result capi/types select/hit contacts/options damage/mark capi/tasks capi/context capi/set \
-                    capi/instance capi/hit capi/contacts capi/damage capi/memory capi/buffer capi/deform";
+const CORE: &str = "capi/version capi/result capi/types example/blow select/hit contacts/options damage/mark capi/tasks capi/context \
+                    capi/set capi/instance capi/hit capi/contacts capi/damage capi/memory capi/buffer capi/deform";
 
 const PARTS: &[Part] = &[
     Part {
