@@ -3,8 +3,8 @@
 use super::result::{CrumpleResult, Failure, remember};
 use crate::base::memory::{begin_call, was_refused};
 use std::cell::Cell;
-use std::panic::{self, AssertUnwindSafe, PanicHookInfo};
-use std::sync::OnceLock;
+use std::panic::{self, AssertUnwindSafe};
+use std::sync::Once;
 
 /// Runs the body of the entry point `call`. What it answers, or how it fails, becomes the result and the last error's
 /// text.
@@ -50,17 +50,11 @@ pub(super) fn quietly<T>(body: impl FnOnce() -> T) -> Result<T, String> {
     silence_panics();
     let _inside = Inside::enter();
     panic::catch_unwind(AssertUnwindSafe(body)).map_err(|payload| {
-        let payload = match payload.downcast::<String>() {
-            Ok(text) => return *text,
-            Err(payload) => payload,
-        };
-        match payload.downcast::<&str>() {
-            Ok(text) => text.to_string(),
-            Err(unknown) => {
-                std::mem::forget(unknown); // its drop might panic, and nothing would catch it
-                "a panic without a message".into()
-            }
-        }
+        let text = payload.downcast_ref::<String>().cloned();
+        text.or_else(|| payload.downcast_ref::<&str>().map(|text| text.to_string())).unwrap_or_else(|| {
+            std::mem::forget(payload); // its drop might panic, and nothing would catch it
+            "a panic without a message".into()
+        })
     })
 }
 
@@ -87,29 +81,21 @@ impl Drop for Inside {
     }
 }
 
-type Hook = Box<dyn Fn(&PanicHookInfo<'_>) + Sync + Send>;
-
 /// std prints every panic before it unwinds. Puts a hook before the one there is, once: it stays silent where the
 /// panicking thread is inside this library, and passes all others on, so a Rust program's own hook keeps working.
 fn silence_panics() {
-    static BEFORE: OnceLock<Hook> = OnceLock::new();
-    if BEFORE.get().is_some() || std::thread::panicking() {
+    static HOOK: Once = Once::new();
+    if HOOK.is_completed() || std::thread::panicking() {
         return;
     }
-    let mut first = false;
-    BEFORE.get_or_init(|| {
-        first = true;
-        panic::take_hook()
-    });
-    if first {
-        panic::set_hook(Box::new(|info| {
-            if DEPTH.get() == 0
-                && let Some(before) = BEFORE.get()
-            {
+    HOOK.call_once(|| {
+        let before = panic::take_hook();
+        panic::set_hook(Box::new(move |info| {
+            if DEPTH.get() == 0 {
                 before(info);
             }
         }));
-    }
+    });
 }
 
 #[cfg(test)]

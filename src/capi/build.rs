@@ -288,40 +288,34 @@ unsafe fn read_example(example: CrumpleExampleDef, mesh: &MeshData, name: &str) 
     let missing = |what: &str| Err(Failure::null_pointer(format!("{name} {what}")));
     let vertices = mesh.positions.len();
     let title = string(example.name, &field("name"))?.unwrap_or_default();
-    let targets = read::<[f32; 3]>(example.target_positions, vertices, &field("target_positions"))?;
-    let target_normals = read::<[f32; 3]>(example.target_normals, vertices, &field("target_normals"))?;
+    let targets = vectors(example.target_positions, vertices, &field("target_positions"))?;
+    let target_normals = vectors(example.target_normals, vertices, &field("target_normals"))?;
     let count = example.delta_count as usize;
-    let indices = read::<u32>(example.delta_indices, count, &field("delta_indices"))?;
-    let deltas = read::<[f32; 3]>(example.position_deltas, count, &field("position_deltas"))?;
-    let normal_deltas = read::<[f32; 3]>(example.normal_deltas, count, &field("normal_deltas"))?;
+    let indices = || read(example.delta_indices, count, &field("delta_indices"));
+    let deltas = vectors(example.position_deltas, count, &field("position_deltas"))?;
+    let normal_deltas = vectors(example.normal_deltas, count, &field("normal_deltas"))?;
 
-    let (positions, normals) = match (targets, indices, deltas) {
+    let (positions, normals) = match (targets, indices()?, deltas) {
         (Some(targets), None, None) => {
             if normal_deltas.is_some() {
                 return invalid(".normal_deltas belongs to the sparse form; give target_normals with target_positions");
             }
             let normals = match (target_normals, &mesh.normals) {
-                (Some(targets), Some(base)) => Some(differences(targets, base, &field("target_normals"))?),
+                (Some(targets), Some(base)) => Some(differences(targets, base)),
                 (Some(_), None) => return invalid(".target_normals needs the base mesh's normals (def.mesh.normals)"),
                 (None, _) => None,
             };
-            (differences(targets, &mesh.positions, &field("target_positions"))?, normals)
+            (differences(targets, &mesh.positions), normals)
         }
-        (None, Some(indices), Some(values)) => {
+        (None, Some(own), Some(values)) => {
             if target_normals.is_some() {
                 return invalid(".target_normals belongs to the full form; give normal_deltas with position_deltas");
             }
-            all_finite(&values, &field("position_deltas"))?;
             let normals = match normal_deltas {
-                Some(values) => {
-                    all_finite(&values, &field("normal_deltas"))?;
-                    let mut copy = reserve(indices.len(), "delta_indices")?;
-                    copy.extend_from_slice(&indices);
-                    Some(Deltas::Sparse { indices: copy, values })
-                }
+                Some(values) => Some(Deltas::Sparse { indices: indices()?.unwrap_or_default(), values }),
                 None => None,
             };
-            (Deltas::Sparse { indices, values }, normals)
+            (Deltas::Sparse { indices: own, values }, normals)
         }
         (None, None, None) => {
             return missing("has neither target_positions nor delta_indices and position_deltas");
@@ -350,20 +344,19 @@ unsafe fn read_example(example: CrumpleExampleDef, mesh: &MeshData, name: &str) 
 }
 
 /// What leads from the base to the targets.
-fn differences(mut targets: Vec<[f32; 3]>, base: &[[f32; 3]], name: &str) -> Result<Deltas, Failure> {
-    all_finite(&targets, name)?;
+fn differences(mut targets: Vec<[f32; 3]>, base: &[[f32; 3]]) -> Deltas {
     for (target, base) in targets.iter_mut().zip(base) {
         *target = [target[0] - base[0], target[1] - base[1], target[2] - base[2]];
     }
-    Ok(Deltas::Full(targets))
+    Deltas::Full(targets)
 }
 
-/// Refuses NaN and infinities, naming the first.
-fn all_finite(values: &[[f32; 3]], name: &str) -> Result<(), Failure> {
-    match values.iter().position(|v| !v.iter().all(|x| x.is_finite())) {
-        Some(i) => finite(values[i], &format!("{name}[{i}]")).map(drop),
-        None => Ok(()),
-    }
+/// Reads an array of vectors, and refuses NaN and infinities.
+unsafe fn vectors(input: CrumpleInput, count: usize, name: &str) -> Result<Option<Vec<[f32; 3]>>, Failure> {
+    let values: Option<Vec<[f32; 3]>> = read(input, count, name)?;
+    let wrong = values.iter().flatten().enumerate().find(|(_, v)| !v.iter().all(|x| x.is_finite()));
+    wrong.map_or(Ok(()), |(i, v)| finite(*v, &format!("{name}[{i}]")).map(drop))?;
+    Ok(values)
 }
 
 /// # Safety

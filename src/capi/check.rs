@@ -3,6 +3,7 @@
 use super::c_enum::{CEnum, number};
 use super::result::{CrumpleResult, Failure};
 use crate::base::error::Error;
+use crate::base::strided::Strided;
 use std::ffi::{CStr, c_char};
 use std::mem::MaybeUninit;
 
@@ -26,14 +27,7 @@ pub(super) fn usable<T>(pointer: *const T, name: &str) -> Result<(), Failure> {
     if pointer.is_null() {
         return Err(Failure::null(name));
     }
-    if !pointer.is_aligned() {
-        return Err(misaligned(name, pointer.addr() as u64, align_of::<T>() as u64));
-    }
-    Ok(())
-}
-
-pub(super) fn misaligned(name: &str, value: u64, align: u64) -> Failure {
-    Error::Misaligned { name: name.into(), value, align }.into()
+    Ok(Strided::check_aligned(name, pointer.addr() as u64, align_of::<T>() as u64)?)
 }
 
 /// A struct that starts with its size.

@@ -6,11 +6,12 @@ use super::build::{CrumpleExampleSetOptions, default_options, read_options};
 use super::check::item;
 use super::prelude::*;
 use super::set::insert_set;
-use super::store::{CrumplePartKind, SetEntry, Stretch, c_string};
+use super::store::{CrumplePart, CrumplePartKind, CrumplePrimitive, SetEntry, c_string};
 use crate::base::error::reserve;
 use crate::example::set::ExampleSet;
 #[cfg(feature = "gltf")]
 use crate::io::import::{self, MeshChoice, PartKind, Patterns, Reading};
+use std::ffi::CStr;
 use std::path::{Path, PathBuf};
 
 /// Which mesh of a glTF file to load, and the options of the set.
@@ -61,35 +62,6 @@ pub struct CrumpleObjDef {
     /// Paths of the examples, UTF-8. Each has the v lines of the base mesh in the same order.
     pub example_paths: *const *const c_char,
     pub options: CrumpleExampleSetOptions,
-}
-
-/// A stretch of the mesh with one material. material is its name (UTF-8, valid until the set is destroyed) or null.
-#[repr(C)]
-#[derive(Debug, Clone, Copy)]
-pub struct CrumplePrimitive {
-    pub material: *const c_char,
-    pub first_vertex: u32,
-    pub vertex_count: u32,
-    /// First triangle. Its first index is 3 * first_triangle.
-    pub first_triangle: u32,
-    pub triangle_count: u32,
-    pub reserved: [u32; 2],
-}
-
-/// A part of a body that was loaded with join_nodes. It is a mesh of its own, and a stretch of the base mesh with the same
-/// vertices and triangles in the same order.
-#[repr(C)]
-#[derive(Debug, Clone, Copy)]
-pub struct CrumplePart {
-    /// As crumple_example_set_find_part() takes it, UTF-8, valid until the set is destroyed. Never null.
-    pub name: *const c_char,
-    pub kind: CrumplePartKind,
-    pub first_vertex: u32,
-    pub vertex_count: u32,
-    /// First triangle. Its first index is 3 * first_triangle.
-    pub first_triangle: u32,
-    pub triangle_count: u32,
-    pub reserved: [u32; 3],
 }
 
 defs!(CrumpleGltfDef, CrumpleObjDef);
@@ -207,31 +179,36 @@ unsafe fn add_imported(
     for mesh in meshes {
         set.add_lod(mesh, &context.tasks)?;
     }
-    let range = |first: u32, count: u32| first..first + count;
     let mut entry = SetEntry { name: c_string(&imported.name), ..SetEntry::new(set) };
-    entry.primitives = imported
-        .primitives
-        .iter()
-        .map(|p| Stretch {
-            name: p.material.as_deref().map(c_string),
-            vertices: range(p.first_vertex, p.vertex_count),
-            triangles: range(p.first_triangle, p.triangle_count),
-        })
-        .collect();
-    entry.parts = imported
-        .parts
-        .iter()
-        .map(|p| {
-            let kind = match p.kind {
-                PartKind::Dents => CrumplePartKind::Dents,
-                PartKind::Rigid => CrumplePartKind::Rigid,
-                PartKind::Glass => CrumplePartKind::Glass,
-            };
-            let (vertices, triangles) =
-                (range(p.first_vertex, p.vertex_count), range(p.first_triangle, p.triangle_count));
-            (kind, Stretch { name: Some(c_string(&p.name)), vertices, triangles })
-        })
-        .collect();
+    let mut texts = Vec::new();
+    let mut text = |text: &str| {
+        texts.push(c_string(text));
+        texts[texts.len() - 1].as_ptr()
+    };
+    let primitives = imported.primitives.iter().map(|p| CrumplePrimitive {
+        material: p.material.as_deref().map_or(std::ptr::null(), &mut text),
+        first_vertex: p.first_vertex,
+        vertex_count: p.vertex_count,
+        first_triangle: p.first_triangle,
+        triangle_count: p.triangle_count,
+        reserved: [0; 2],
+    });
+    entry.primitives = primitives.collect();
+    let parts = imported.parts.iter().map(|p| CrumplePart {
+        name: text(&p.name),
+        kind: match p.kind {
+            PartKind::Dents => CrumplePartKind::Dents,
+            PartKind::Rigid => CrumplePartKind::Rigid,
+            PartKind::Glass => CrumplePartKind::Glass,
+        },
+        first_vertex: p.first_vertex,
+        vertex_count: p.vertex_count,
+        first_triangle: p.first_triangle,
+        triangle_count: p.triangle_count,
+        reserved: [0; 3],
+    });
+    entry.parts = parts.collect();
+    entry.texts = texts;
     if let Some(columns) = &imported.node_transform {
         entry.node_transform = *bytemuck::cast_ref(columns);
     }
@@ -248,15 +225,7 @@ pub unsafe extern "C" fn crumple_example_set_get_primitive(
 ) -> CrumpleResult {
     exclusive("crumple_example_set_get_primitive", context, |_, state| {
         let out = Out::new(out_primitive, "out_primitive")?;
-        let primitive = item(&state.sets.get(set, "set")?.primitives, primitive, "primitive")?;
-        out.answer(CrumplePrimitive {
-            material: primitive.name(),
-            first_vertex: primitive.vertices.start,
-            vertex_count: primitive.vertices.len() as u32,
-            first_triangle: primitive.triangles.start,
-            triangle_count: primitive.triangles.len() as u32,
-            reserved: [0; 2],
-        })
+        out.answer(*item(&state.sets.get(set, "set")?.primitives, primitive, "primitive")?)
     })
 }
 
@@ -273,7 +242,7 @@ pub unsafe extern "C" fn crumple_example_set_find_part(
     exclusive("crumple_example_set_find_part", context, |_, state| {
         let (name, out) = (required_string(name, "name")?, Out::new(out_lod, "out_lod")?);
         let parts = &state.sets.get(set, "set")?.parts;
-        let names = || parts.iter().filter_map(|(_, part)| part.name.as_ref());
+        let names = || parts.iter().map(|part| CStr::from_ptr(part.name));
         let at = names().position(|part| part.to_bytes() == name.as_bytes()).ok_or_else(|| {
             let names: Vec<_> = names().map(|part| part.to_string_lossy()).collect();
             Failure::invalid(format!("name is '{name}'; it must be one of the set's {} parts: {names:?}", parts.len()))
@@ -295,17 +264,9 @@ pub unsafe extern "C" fn crumple_example_set_get_part(
         let out = Out::new(out_part, "out_part")?;
         let parts = &state.sets.get(set, "set")?.parts;
         let found = (part as usize).checked_sub(1).and_then(|at| parts.get(at));
-        let (kind, part) = found.ok_or_else(|| {
+        let part = found.ok_or_else(|| {
             Failure::invalid(format!("part is {part}; it must be one of the set's parts, 1 to {}", parts.len()))
         })?;
-        out.answer(CrumplePart {
-            name: part.name(),
-            kind: *kind,
-            first_vertex: part.vertices.start,
-            vertex_count: part.vertices.len() as u32,
-            first_triangle: part.triangles.start,
-            triangle_count: part.triangles.len() as u32,
-            reserved: [0; 3],
-        })
+        out.answer(*part)
     })
 }

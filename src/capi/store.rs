@@ -15,7 +15,6 @@ use crate::gpu::{Job, PlanTarget};
 use crate::instance::Instance;
 use crate::instance::deform::DeformJob;
 use std::ffi::{CString, c_char};
-use std::ops::Range;
 use std::sync::Arc;
 
 /// What contexts keep of a set.
@@ -25,23 +24,36 @@ pub(super) struct SetEntry {
     pub(super) name: CString,
     /// The examples' names.
     pub(super) names: Vec<CString>,
-    pub(super) primitives: Vec<Stretch>,
+    pub(super) primitives: Vec<CrumplePrimitive>,
     /// The parts of a glTF body: lods 1 and up.
-    pub(super) parts: Vec<(CrumplePartKind, Stretch)>,
+    pub(super) parts: Vec<CrumplePart>,
+    /// What primitives and parts point to.
+    pub(super) texts: Vec<CString>,
     pub(super) node_transform: [f32; 16],
 }
 
-/// A stretch of the base mesh: a primitive, with the name of its material, or a part, with its own.
-pub(super) struct Stretch {
-    pub(super) name: Option<CString>,
-    pub(super) vertices: Range<u32>,
-    pub(super) triangles: Range<u32>,
+// SAFETY: its pointers are to strings that it owns and does not change.
+unsafe impl Send for SetEntry {}
+// SAFETY: as above.
+unsafe impl Sync for SetEntry {}
+
+/// A stretch of the mesh with one material. material is its name (UTF-8, valid until the set is destroyed) or null.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct CrumplePrimitive {
+    pub material: *const c_char,
+    pub first_vertex: u32,
+    pub vertex_count: u32,
+    /// First triangle. Its first index is 3 * first_triangle.
+    pub first_triangle: u32,
+    pub triangle_count: u32,
+    pub reserved: [u32; 2],
 }
 
 /// What a part of a body does when it is hit.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(dead_code)] // made by `From`, with glTF
+#[allow(dead_code)] // made with glTF
 pub enum CrumplePartKind {
     /// It dents.
     Dents = 0,
@@ -51,25 +63,42 @@ pub enum CrumplePartKind {
     Glass = 2,
 }
 
+/// A part of a body that was loaded with join_nodes. It is a mesh of its own, and a stretch of the base mesh with the same
+/// vertices and triangles in the same order.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct CrumplePart {
+    /// As crumple_example_set_find_part() takes it, UTF-8, valid until the set is destroyed. Never null.
+    pub name: *const c_char,
+    pub kind: CrumplePartKind,
+    pub first_vertex: u32,
+    pub vertex_count: u32,
+    /// First triangle. Its first index is 3 * first_triangle.
+    pub first_triangle: u32,
+    pub triangle_count: u32,
+    pub reserved: [u32; 3],
+}
+
 impl SetEntry {
     /// A set that came without a file's names: one primitive, and no parts.
     pub(super) fn new(set: ExampleSet) -> Self {
-        let (vertices, triangles) = (set.vertex_count() as u32, set.mesh().triangles().len() as u32);
+        let whole = CrumplePrimitive {
+            material: std::ptr::null(),
+            first_vertex: 0,
+            vertex_count: set.vertex_count() as u32,
+            first_triangle: 0,
+            triangle_count: set.mesh().triangles().len() as u32,
+            reserved: [0; 2],
+        };
         SetEntry {
             name: CString::default(),
             names: set.examples().iter().map(|example| c_string(example.name())).collect(),
-            primitives: vec![Stretch { name: None, vertices: 0..vertices, triangles: 0..triangles }],
+            primitives: vec![whole],
             parts: Vec::new(),
+            texts: Vec::new(),
             node_transform: glam::Mat4::IDENTITY.to_cols_array(),
             set: Arc::new(set),
         }
-    }
-}
-
-impl Stretch {
-    /// The name for C, valid as long as this, or null.
-    pub(super) fn name(&self) -> *const c_char {
-        self.name.as_ref().map_or(std::ptr::null(), |name| name.as_ptr())
     }
 }
 
