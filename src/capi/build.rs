@@ -1,6 +1,6 @@
 //! Example sets from the caller's arrays, further meshes of a set, and baking.
 
-use super::memory::{CrumpleInput, read, read_required};
+use super::memory::{CrumpleInput, read};
 use super::prelude::*;
 use super::set::insert_set;
 use super::store::SetEntry;
@@ -234,7 +234,8 @@ pub(super) unsafe fn read_mesh(def: *const CrumpleMeshDef, name: &str) -> Result
     }
     let field = |field: &str| format!("{name}.{field}");
     Ok(MeshData {
-        positions: read_required(def.positions, vertices, &field("positions"))?,
+        positions: read(def.positions, vertices, &field("positions"))?
+            .ok_or_else(|| Failure::null(&field("positions.data")))?,
         normals: read(def.normals, vertices, &field("normals"))?,
         tangents: read(def.tangents, vertices, &field("tangents"))?,
         triangles: read_triangles(def, name)?,

@@ -124,8 +124,6 @@ impl Attached {
         def: &CrumpleVulkanBufferDef,
     ) -> Result<Target, Failure> {
         check_lod(instance, def.lod)?;
-        // Checked before the buffer is added.
-        def.target(())?;
         let access = |stages, access| Access {
             stages: vk::PipelineStageFlags::from_raw(stages),
             access: vk::AccessFlags::from_raw(access),
@@ -150,12 +148,12 @@ impl Attached {
                 id
             }
         };
-        let target = def.target(id)?;
-        let target = self.device.device().add_target(instance.example_set(), &target);
+        let device = self.device.device();
+        let target = def.target(id).and_then(|target| Ok(device.add_target(instance.example_set(), &target)?));
         let host = self.hosts.get_mut(&def.buffer).expect("it was found or inserted");
         host.ranges += usize::from(target.is_ok());
         self.forget(def.buffer)?;
-        Ok(target?)
+        target
     }
 
     pub(super) fn remove(&mut self, target: Target) -> Result<(), Failure> {

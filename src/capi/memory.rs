@@ -55,19 +55,11 @@ fn absent(is_null: bool, size: usize, name: &str) -> Result<bool, Failure> {
     Ok(is_null)
 }
 
-/// An element that may be read from a caller's array.
-pub(super) trait Element: bytemuck::AnyBitPattern {}
-impl Element for u16 {}
-impl Element for u32 {}
-impl Element for f32 {}
-impl Element for [f32; 3] {}
-impl Element for [f32; 4] {}
-
 /// Copies `count` elements out of a caller's array; nothing where it is absent.
 ///
 /// # Safety
 /// `input.data` is null or points to `input.size` readable bytes.
-pub(super) unsafe fn read<T: Element>(
+pub(super) unsafe fn read<T: bytemuck::AnyBitPattern>(
     input: CrumpleInput,
     count: usize,
     name: &str,
@@ -83,18 +75,6 @@ pub(super) unsafe fn read<T: Element>(
         values.push(unsafe { input.data.byte_add(i * input.stride).cast::<T>().read() });
     }
     Ok(Some(values))
-}
-
-/// The same as `read`, for an array that must be there.
-///
-/// # Safety
-/// As for `read`.
-pub(super) unsafe fn read_required<T: Element>(
-    input: CrumpleInput,
-    count: usize,
-    name: &str,
-) -> Result<Vec<T>, Failure> {
-    read(input, count, name)?.ok_or_else(|| Failure::null(&format!("{name}.data")))
 }
 
 /// An output array that was checked.

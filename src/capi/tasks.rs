@@ -47,37 +47,18 @@ unsafe impl Send for HostTasks {}
 // SAFETY: as above.
 unsafe impl Sync for HostTasks {}
 
-/// What is to be done, by address: the references live until `parallel_for` has emptied the door again.
+/// What is to be done. The reference to the task lives until `parallel_for` has emptied the door again.
 struct Job {
     task: *const (dyn Fn(usize) + Sync),
-    claimed: *const [AtomicBool],
-    panicked: *const Mutex<Option<String>>,
+    claimed: Vec<AtomicBool>,
+    /// The first message.
+    panicked: Mutex<Option<String>>,
 }
 
-// SAFETY: the pointers are to things that may be shared between threads.
+// SAFETY: the task may be called from any thread.
 unsafe impl Send for Job {}
 // SAFETY: as above.
 unsafe impl Sync for Job {}
-
-impl Job {
-    /// Runs one task unless somebody else did or does.
-    ///
-    /// # Safety
-    /// What the job points to is alive: the door is held, or this is the thread that filled it.
-    unsafe fn run(&self, index: usize) {
-        // SAFETY: the caller's.
-        let (task, claimed, panicked) = unsafe { (&*self.task, &*self.claimed, &*self.panicked) };
-        if claimed.get(index).is_none_or(|c| c.swap(true, Ordering::AcqRel)) {
-            return;
-        }
-        let outer = INSIDE.replace(true);
-        let done = quietly(|| task(index));
-        INSIDE.set(outer);
-        if let Err(message) = done {
-            panicked.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(message);
-        }
-    }
-}
 
 thread_local! {
     /// Whether the thread runs a task now: a parallel-for inside one runs serially.
@@ -91,13 +72,21 @@ impl HostTasks {
     }
 }
 
-unsafe extern "C" fn run_task(index: u32, task_data: *mut c_void) {
-    // SAFETY: `task_data` is the door of a context, which lives as long as the context.
-    let door = unsafe { &*task_data.cast::<RwLock<Option<Job>>>() };
-    let job = door.read().unwrap_or_else(PoisonError::into_inner);
-    if let Some(job) = &*job {
-        // SAFETY: the door is held, and is emptied before what the job points to goes.
-        unsafe { job.run(index as usize) }
+/// Runs one task unless somebody else did or does.
+unsafe extern "C" fn run_task(index: u32, door: *mut c_void) {
+    // SAFETY: the door of a context, which lives as long as the context.
+    let door = unsafe { &*door.cast::<RwLock<Option<Job>>>() };
+    let door = door.read().unwrap_or_else(PoisonError::into_inner);
+    let Some(job) = &*door else { return };
+    if job.claimed.get(index as usize).is_none_or(|c| c.swap(true, Ordering::AcqRel)) {
+        return;
+    }
+    let outer = INSIDE.replace(true);
+    // SAFETY: the door is held, and is emptied before the task goes.
+    let done = quietly(|| unsafe { (*job.task)(index as usize) });
+    INSIDE.set(outer);
+    if let Err(message) = done {
+        job.panicked.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(message);
     }
 }
 
@@ -108,25 +97,23 @@ impl TaskSystem for HostTasks {
             return Serial.parallel_for(count, task);
         };
         claimed.resize_with(count, || AtomicBool::new(false));
-        let panicked = Mutex::new(None);
         let _turn = self.turn.lock().unwrap_or_else(PoisonError::into_inner);
-        let job = || Job {
-            // SAFETY: only the lifetime changes; the door is emptied below before `task` goes.
-            task: unsafe { std::mem::transmute::<*const (dyn Fn(usize) + Sync), *const (dyn Fn(usize) + Sync)>(task) },
-            claimed: &raw const *claimed,
-            panicked: &raw const panicked,
-        };
-        *self.door.write().unwrap_or_else(PoisonError::into_inner) = Some(job());
+        // SAFETY: only the lifetime changes; the door is emptied below before `task` goes.
+        let task = unsafe { std::mem::transmute::<*const (dyn Fn(usize) + Sync), *const (dyn Fn(usize) + Sync)>(task) };
+        let write = || self.door.write().unwrap_or_else(PoisonError::into_inner);
+        *write() = Some(Job { task, claimed, panicked: Mutex::default() });
+        let door = (&raw const *self.door).cast_mut().cast();
         // SAFETY: the host promised that its function may be called so; `run_task` may be called with the door as
         // data from any thread, any number of times, with any index.
-        unsafe { (self.call)(number, Some(run_task), (&raw const *self.door).cast_mut().cast(), self.user) };
-        for index in 0..count {
-            // SAFETY: this is the thread that filled the door.
-            unsafe { job().run(index) };
+        unsafe {
+            (self.call)(number, Some(run_task), door, self.user);
+            // Those that the host left out.
+            (0..number).for_each(|index| run_task(index, door));
         }
         // Waits for tasks that still run on the host's threads: each holds the door while it does.
-        *self.door.write().unwrap_or_else(PoisonError::into_inner) = None;
-        if let Some(message) = panicked.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        let panicked = write().take().map(|job| job.panicked);
+        let message = panicked.and_then(|message| message.into_inner().unwrap_or_else(PoisonError::into_inner));
+        if let Some(message) = message {
             std::panic::resume_unwind(Box::new(message));
         }
     }

@@ -9,11 +9,7 @@ use super::instance::*;
 use super::result::CrumpleResult as R;
 use super::set::{CrumpleBytes, crumple_example_set_load_baked_memory};
 use super::types::*;
-use crate::base::tasks::Serial;
-use crate::example::data::{Deltas, ExampleData};
-use crate::example::options::SetOptions;
-use crate::example::set::ExampleSet;
-use crate::mesh::data::MeshData;
+use crate::instance::schedules::plates;
 use std::mem::MaybeUninit;
 use std::ptr::{null, null_mut};
 use std::sync::Mutex;
@@ -22,24 +18,13 @@ use std::sync::atomic::{AtomicBool, AtomicPtr, Ordering};
 const THREADS: u32 = 8;
 const HITS: u32 = 400;
 
-/// A baked sheet of 1 m, of so many vertices a side, with a dent in its middle.
-fn file(side: u32) -> Vec<u8> {
-    let at = |i: u32| i as f32 / (side - 1) as f32;
-    let positions: Vec<[f32; 3]> = (0..side * side).map(|v| [at(v % side), at(v / side), 0.0]).collect();
-    let quads = (0..side * (side - 1)).filter(|v| v % side < side - 1);
-    let triangles = quads.flat_map(|v| [[v, v + 1, v + side], [v + side, v + 1, v + side + 1]]).collect();
-    let depth = |p: &[f32; 3]| (0.09 - (p[0] - 0.5).powi(2) - (p[1] - 0.5).powi(2)).max(0.0);
-    let field = positions.iter().map(|p| [0.0, 0.0, -depth(p)]).collect();
-    let mesh = MeshData { positions, triangles, ..MeshData::default() };
-    let options = SetOptions::default();
-    let set = ExampleSet::build(mesh, vec![ExampleData::new("dent", Deltas::Full(field))], options, &Serial).unwrap();
-    set.save().unwrap()
-}
+/// Vertices of the set.
+const N: usize = 50;
 
 fn hit(i: u32) -> CrumpleHitDef {
     let mut def = crumple_hit_def_default();
     def.kind = MaybeUninit::new(CrumpleHitKind::Displacement);
-    def.point = [(i * 37 % 101) as f32 / 101.0, (i * 61 % 103) as f32 / 103.0, 0.0].into();
+    def.point = [(i * 37 % 201) as f32 / 100.0 - 1.0, (i * 61 % 101) as f32 / 100.0 - 0.5, 0.0].into();
     def.displacement = [0.0, 0.0, -0.005 - 0.0001 * (i % 300) as f32].into();
     def.contact_id = u64::from(i % 5 / 4);
     def
@@ -51,8 +36,8 @@ struct Host {
 }
 
 impl Host {
-    fn new(side: u32, threads: u32) -> Self {
-        let (mut context, mut set, file) = (null_mut(), CrumpleExampleSet::default(), file(side));
+    fn new(threads: u32) -> Self {
+        let (mut context, mut set, file) = (null_mut(), CrumpleExampleSet::default(), plates().save().unwrap());
         let def = CrumpleContextDef { threads, ..crumple_context_def_default() };
         let copy = MaybeUninit::new(CrumpleBytes::Copy);
         // SAFETY: everything lives across the calls.
@@ -113,7 +98,7 @@ impl Host {
 
     /// What the thread that owns the context does in a frame.
     fn frame(&self, others: &Mutex<CrumpleInstance>) {
-        let (body, mut memory) = (*others.lock().unwrap(), vec![[0f32; 3]; 81]);
+        let (body, mut memory) = (*others.lock().unwrap(), vec![[0f32; 3]; N]);
         self.buffer(body, &mut memory, 0);
         assert_eq!(self.deform(&[]), R::CrumpleOk);
         self.saved(body);
@@ -132,7 +117,7 @@ impl Drop for Host {
 
 #[test]
 fn eight_threads_hit_while_another_deforms_saves_and_destroys() {
-    let (host, alone) = (Host::new(9, 3), Host::new(9, 3));
+    let (host, alone) = (Host::new(3), Host::new(3));
     let (kept, others, running) = (host.body(), Mutex::new(host.body()), AtomicBool::new(true));
     std::thread::scope(|scope| {
         scope.spawn(|| {
@@ -170,15 +155,15 @@ fn eight_threads_hit_while_another_deforms_saves_and_destroys() {
 
 #[test]
 fn memory_of_two_buffers_must_not_overlap_in_debug_builds() {
-    let (host, mut memory) = (Host::new(3, 1), [[0f32; 3]; 27]);
+    let (host, mut memory) = (Host::new(1), [[0f32; 3]; 3 * N]);
     let body = host.body();
-    let [first, beside, across] = [0, 9, 4].map(|vertex| host.buffer(body, &mut memory, vertex));
+    let [first, beside, across] = [0, N, N / 2].map(|vertex| host.buffer(body, &mut memory, vertex));
     assert_eq!(host.deform(&[first, beside]), R::CrumpleOk);
     let refused = if cfg!(debug_assertions) { R::CrumpleErrorInvalidArgument } else { R::CrumpleOk };
     assert_eq!(host.deform(&[]), refused);
     // SAFETY: a buffer that is there.
     assert_eq!(unsafe { crumple_buffer_unregister(host.context(), across) }, R::CrumpleOk);
     assert_eq!(host.deform(&[]), R::CrumpleOk);
-    assert!(!cfg!(debug_assertions) || memory[..9] == memory[9..18], "a buffer that was refused was written");
-    assert_eq!(memory[18..], [[0.0; 3]; 9]);
+    assert!(!cfg!(debug_assertions) || memory[..N] == memory[N..2 * N], "a buffer that was refused was written");
+    assert_eq!(memory[2 * N..], [[0.0; 3]; N]);
 }

@@ -12,7 +12,7 @@ pub(crate) mod options;
 mod part_state;
 pub(crate) mod parts;
 #[cfg(test)]
-mod schedules;
+pub(crate) mod schedules;
 mod selection;
 
 use crate::base::error::{Error, at_least_zero, positive, reserve};

@@ -36,8 +36,8 @@ fn plate(centre: [f32; 3]) -> MeshData {
     MeshData { positions, triangles, ..MeshData::default() }
 }
 
-/// Two plates side by side, each a part, with a dent in the middle of each.
-fn body() -> Instance {
+/// Two plates side by side, from -1 to 1 and from -0.5 to 0.5, each a part, with a dent in the middle of each.
+pub(crate) fn plates() -> Arc<ExampleSet> {
     static SET: OnceLock<Arc<ExampleSet>> = OnceLock::new();
     let make = || {
         let mut whole = plate(CENTRES[0]);
@@ -55,7 +55,11 @@ fn body() -> Instance {
         }
         Arc::new(set)
     };
-    Instance::new(SET.get_or_init(make).clone(), InstanceOptions::default()).unwrap()
+    SET.get_or_init(make).clone()
+}
+
+fn body() -> Instance {
+    Instance::new(plates(), InstanceOptions::default()).unwrap()
 }
 
 /// How many hits are in the marks of each plate.
