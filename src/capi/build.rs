@@ -360,8 +360,6 @@ unsafe fn vectors(input: CrumpleInput, count: usize, name: &str) -> Result<Optio
     Ok(values)
 }
 
-/// # Safety
-/// The caller's array, if there is one, can be read.
 pub(super) unsafe fn read_options(options: &CrumpleExampleSetOptions, vertices: usize) -> Result<SetOptions, Failure> {
     let positive = |value, field: &str, unit, zero| positive_or(value, &format!("def.options.{field}"), unit, zero);
     let each = read(options.vertex_masses, vertices, "def.options.vertex_masses")?;

@@ -56,9 +56,6 @@ pub(super) fn zeroed<T: Def>() -> T {
 }
 
 /// Copies a def after checking its size.
-///
-/// # Safety
-/// `pointer` is null or points to as many readable bytes as its first four say.
 pub(super) unsafe fn def<T: Def>(pointer: *const T, name: &str) -> Result<T, Failure> {
     usable(pointer, name)?;
     let size = pointer.cast::<u32>().read();
@@ -83,18 +80,12 @@ fn default_function<T>() -> String {
 }
 
 /// Reads a plain value.
-///
-/// # Safety
-/// `pointer` is null or points to a readable `T`.
 pub(super) unsafe fn read<T: bytemuck::AnyBitPattern>(pointer: *const T, name: &str) -> Result<T, Failure> {
     usable(pointer, name)?;
     Ok(pointer.read())
 }
 
 /// Reads an array of plain values. Null is an empty array where `count` is 0.
-///
-/// # Safety
-/// `pointer` is null or points to `count` readable `T`, of which every pattern of bytes is a value, unchanged for `'a`.
 pub(super) unsafe fn array<'a, T>(pointer: *const T, count: usize, name: &str) -> Result<&'a [T], Failure> {
     if count == 0 {
         return Ok(&[]);
@@ -107,9 +98,6 @@ pub(super) unsafe fn array<'a, T>(pointer: *const T, count: usize, name: &str) -
 }
 
 /// Reads a string; null is none.
-///
-/// # Safety
-/// `pointer` is null or points to bytes that end with a zero, unchanged for `'a`.
 pub(super) unsafe fn string<'a>(pointer: *const c_char, name: &str) -> Result<Option<&'a str>, Failure> {
     if pointer.is_null() {
         return Ok(None);
@@ -119,9 +107,6 @@ pub(super) unsafe fn string<'a>(pointer: *const c_char, name: &str) -> Result<Op
 }
 
 /// Reads a string that must be there.
-///
-/// # Safety
-/// As for `string`.
 pub(super) unsafe fn required_string<'a>(pointer: *const c_char, name: &str) -> Result<&'a str, Failure> {
     string(pointer, name)?.ok_or_else(|| Failure::null(name))
 }
@@ -132,18 +117,12 @@ pub(super) struct Out<T>(*mut T);
 
 impl<T> Out<T> {
     /// An output that must be there.
-    ///
-    /// # Safety
-    /// `pointer` is null or points to a writable `T` until `write`.
     pub(super) unsafe fn new(pointer: *mut T, name: &str) -> Result<Self, Failure> {
         usable(pointer, name)?;
         Ok(Self(pointer))
     }
 
     /// An output that may be left out with null.
-    ///
-    /// # Safety
-    /// As for `new`.
     pub(super) unsafe fn optional(pointer: *mut T, name: &str) -> Result<Self, Failure> {
         if !pointer.is_null() {
             usable(pointer, name)?;
@@ -167,9 +146,6 @@ impl<T> Out<T> {
 
 /// Writes an array into memory that the caller sized, and its count, the latter also where the memory is too small. Null with
 /// capacity 0 asks for the count alone.
-///
-/// # Safety
-/// `pointer` is null or points to `capacity` writable `T`.
 pub(super) unsafe fn write_array<T: Copy, N: TryFrom<usize>>(
     values: &[T],
     pointer: *mut T,

@@ -7,7 +7,7 @@ use super::result::{CrumpleResult, Failure};
 use super::store::{InstanceEntry, State};
 use super::tasks::{CrumpleTaskSystem, HostTasks, Quiet};
 use super::types::CrumpleInstance;
-use crate::base::error::{Error, reserve};
+use crate::base::error::Error;
 use crate::base::tasks::ThreadPool;
 use crate::contacts::ContactLayer;
 use crate::contacts::options::ContactOptions;
@@ -145,23 +145,6 @@ impl Context {
     ) -> Result<T, Failure> {
         let inboxes = self.inboxes();
         Ok(bring(inboxes.get(instance, "instance")?)?)
-    }
-
-    /// Submits hits to their instances, all or none.
-    pub(super) fn deliver_all(&self, hits: &[(CrumpleInstance, Hit)]) -> Result<Vec<Outcome>, Failure> {
-        let inboxes = self.inboxes();
-        let mut prepared = reserve(hits.len(), "hits")?;
-        for (i, (instance, hit)) in hits.iter().enumerate() {
-            let inbox = inboxes.get(*instance, &format!("instances[{i}]"))?;
-            prepared.push((inbox, inbox.prepare(hit).map_err(|error| Failure::from(error).of_hit(i))?));
-        }
-        granted()?;
-        let mut outcomes = reserve(hits.len(), "hits")?;
-        for (inbox, (outcome, pending)) in prepared {
-            inbox.queue_prepared(pending);
-            outcomes.push(outcome);
-        }
-        Ok(outcomes)
     }
 }
 

@@ -28,8 +28,6 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    /// # Safety
-    /// The handles are valid, belong together, and stay valid while this lives.
     pub(super) unsafe fn hosts_own(def: &CrumpleVulkanAttachDef, pipeline_cache: &[u8]) -> Result<Self, Failure> {
         let handles =
             [("def.instance", def.instance), ("def.physical_device", def.physical_device), ("def.device", def.device)];
@@ -49,8 +47,6 @@ impl Kind {
         Ok(Kind::Hosts(Box::new(Device::new(&def)?)))
     }
 
-    /// # Safety
-    /// The loader is one, and stays loaded while this lives.
     pub(super) unsafe fn open(def: &CrumpleVulkanOpenDef, pipeline_cache: &[u8]) -> Result<Self, Failure> {
         let def = OwnDeviceDef {
             get_instance_proc_addr: loader(def.get_instance_proc_addr)?,
@@ -116,8 +112,6 @@ impl Attached {
         Ok(())
     }
 
-    /// # Safety
-    /// The VkBuffer is as the def says, and lives until it is removed and the frames that wrote it are done.
     pub(super) unsafe fn register(
         &mut self,
         instance: &Instance,
@@ -174,8 +168,6 @@ impl Attached {
         Ok(())
     }
 
-    /// # Safety
-    /// As [`OwnDevice::import_buffer`].
     pub(super) unsafe fn import_buffer(&mut self, def: &CrumpleVulkanImportDef) -> Result<u64, Failure> {
         let own = self.device.own("crumple_vulkan_import_buffer()")?;
         let def = ImportDef {
@@ -208,8 +200,6 @@ impl Attached {
     }
 }
 
-/// # Safety
-/// Where it is not null it is `vkGetInstanceProcAddr`.
 unsafe fn loader(function: CrumpleVulkanFunction) -> Result<vk::PFN_vkGetInstanceProcAddr, Failure> {
     let function = function.ok_or_else(|| Failure::null("def.get_instance_proc_addr"))?;
     Ok(std::mem::transmute::<unsafe extern "C" fn(), vk::PFN_vkGetInstanceProcAddr>(function))

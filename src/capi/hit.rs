@@ -125,27 +125,32 @@ pub unsafe extern "C" fn crumple_context_submit_hits(
     out_results: *mut CrumpleHitResult,
 ) -> CrumpleResult {
     concurrent("crumple_context_submit_hits", context, |context| {
-        let count = count as usize;
         if count == 0 {
             return Ok(());
         }
-        let instances = array(instances, count, "instances")?;
+        let instances = array(instances, count as usize, "instances")?;
         if defs.is_null() {
             return Err(Failure::null("defs"));
         }
         let _ = Out::optional(out_results, "out_results")?;
-        let mut hits = Vec::new();
+        let inboxes = context.inboxes();
+        let mut prepared = Vec::new();
         for (i, instance) in instances.iter().enumerate() {
-            let hit = read_hit(defs.wrapping_add(i)).map_err(|failure| failure.of_hit(i))?;
+            let of_hit = |failure: Failure| Failure { message: format!("hit {i}: {}", failure.message), ..failure };
+            let hit = read_hit(defs.wrapping_add(i)).map_err(of_hit)?;
             if i == 0 {
                 // The first hit was read before, so that a wrong count asks for no memory.
-                hits = reserve(count, "hits")?;
+                prepared = reserve(instances.len(), "hits")?;
             }
-            hits.push((*instance, hit));
+            let inbox = inboxes.get(*instance, &format!("instances[{i}]"))?;
+            prepared.push((inbox, inbox.prepare(&hit).map_err(|error| of_hit(error.into()))?));
         }
-        let outcomes = context.deliver_all(&hits)?;
-        if !out_results.is_null() {
-            outcomes.iter().enumerate().for_each(|(i, outcome)| out_results.add(i).write(outcome.into()));
+        granted()?;
+        for (i, (inbox, (outcome, pending))) in prepared.into_iter().enumerate() {
+            inbox.queue_prepared(pending);
+            if !out_results.is_null() {
+                out_results.add(i).write((&outcome).into());
+            }
         }
         Ok(())
     })

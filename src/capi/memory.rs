@@ -56,9 +56,6 @@ fn absent(is_null: bool, size: usize, name: &str) -> Result<bool, Failure> {
 }
 
 /// Copies `count` elements out of a caller's array; nothing where it is absent.
-///
-/// # Safety
-/// `input.data` is null or points to `input.size` readable bytes.
 pub(super) unsafe fn read<T: bytemuck::AnyBitPattern>(
     input: CrumpleInput,
     count: usize,

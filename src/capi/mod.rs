@@ -14,8 +14,9 @@
 //! # Safety
 //! One contract holds for every `unsafe fn` below that states none of its own. Each pointer that a C caller passes, as an argument
 //! or in a def, is null or points to memory as the header describes it: as many readable or writable bytes as the count or size
-//! beside it says, strings that end with a zero, Vulkan handles that are valid, callbacks that keep their rules. Registered
-//! memory stays there as long as the header asks. The bodies of these functions rely on nothing else.
+//! beside it says, every pattern of which is a value, strings that end with a zero, Vulkan handles that are valid, callbacks that keep
+//! their rules. It does not change during the call. Registered memory, devices and what they load stay as long as the header asks.
+//! The bodies of these functions rely on nothing else.
 #![allow(unsafe_op_in_unsafe_fn)]
 #![cfg_attr(not(feature = "vulkan"), allow(irrefutable_let_patterns))]
 

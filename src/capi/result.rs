@@ -122,11 +122,6 @@ impl Failure {
         Self::new(CrumpleResult::CrumpleErrorOutOfMemory, format!("no memory for {what}"))
     }
 
-    /// The failure of one of several hits.
-    pub(super) fn of_hit(self, at: usize) -> Self {
-        Self { message: format!("hit {at}: {}", self.message), ..self }
-    }
-
     pub(super) fn invalid(message: impl Into<String>) -> Self {
         Self::new(CrumpleResult::CrumpleErrorInvalidArgument, message)
     }
