@@ -48,8 +48,13 @@ pub(super) fn succeeds(body: impl FnOnce() -> Result<(), Failure>) -> bool {
 /// Runs `body`; a panic in it prints nothing and comes back as its message.
 pub(super) fn quietly<T>(body: impl FnOnce() -> T) -> Result<T, String> {
     silence_panics();
-    let _inside = Inside::enter();
-    panic::catch_unwind(AssertUnwindSafe(body)).map_err(|payload| {
+    if DEPTH.get() == 0 {
+        begin_call();
+    }
+    DEPTH.set(DEPTH.get() + 1);
+    let result = panic::catch_unwind(AssertUnwindSafe(body));
+    DEPTH.set(DEPTH.get() - 1);
+    result.map_err(|payload| {
         let text = payload.downcast_ref::<String>().cloned();
         text.or_else(|| payload.downcast_ref::<&str>().map(|text| text.to_string())).unwrap_or_else(|| {
             std::mem::forget(payload); // its drop might panic, and nothing would catch it
@@ -61,24 +66,6 @@ pub(super) fn quietly<T>(body: impl FnOnce() -> T) -> Result<T, String> {
 thread_local! {
     /// How many entry points or tasks of this library the thread is inside.
     static DEPTH: Cell<u32> = const { Cell::new(0) };
-}
-
-struct Inside;
-
-impl Inside {
-    fn enter() -> Self {
-        if DEPTH.get() == 0 {
-            begin_call();
-        }
-        DEPTH.set(DEPTH.get() + 1);
-        Self
-    }
-}
-
-impl Drop for Inside {
-    fn drop(&mut self) {
-        DEPTH.set(DEPTH.get() - 1);
-    }
 }
 
 /// std prints every panic before it unwinds. Puts a hook before the one there is, once: it stays silent where the

@@ -293,10 +293,11 @@ unsafe fn read_example(example: CrumpleExampleDef, mesh: &MeshData, name: &str) 
     let target_normals = vectors(example.target_normals, vertices, &field("target_normals"))?;
     let count = example.delta_count as usize;
     let indices = || read(example.delta_indices, count, &field("delta_indices"));
+    let moved = indices()?;
     let deltas = vectors(example.position_deltas, count, &field("position_deltas"))?;
     let normal_deltas = vectors(example.normal_deltas, count, &field("normal_deltas"))?;
 
-    let (positions, normals) = match (targets, indices()?, deltas) {
+    let (positions, normals) = match (targets, moved, deltas) {
         (Some(targets), None, None) => {
             if normal_deltas.is_some() {
                 return invalid(".normal_deltas belongs to the sparse form; give target_normals with target_positions");

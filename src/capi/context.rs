@@ -13,6 +13,7 @@ use crate::contacts::ContactLayer;
 use crate::contacts::options::ContactOptions;
 use crate::instance::inbox::Inbox;
 use crate::select::hit::{Hit, Outcome};
+use std::collections::BTreeMap;
 use std::ffi::{CString, c_char, c_void};
 use std::mem::MaybeUninit;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard, TryLockError};
@@ -80,11 +81,11 @@ unsafe impl Sync for Context {}
 
 /// The contexts there are. What C holds is a number that is never used twice, not an address, so that a destroyed
 /// context is an error as well.
-static CONTEXTS: RwLock<Contexts> = RwLock::new(Contexts { last: 0, live: Vec::new() });
+static CONTEXTS: RwLock<Contexts> = RwLock::new(Contexts { last: 0, live: BTreeMap::new() });
 
 struct Contexts {
     last: usize,
-    live: Vec<(usize, Arc<Context>)>,
+    live: BTreeMap<usize, Arc<Context>>,
 }
 
 /// Keeps context pointers looking like pointers: never small, always aligned.
@@ -95,8 +96,7 @@ pub(super) fn find(context: *const CrumpleContext) -> Result<Arc<Context>, Failu
         return Err(Failure::null("context"));
     }
     let contexts = CONTEXTS.read().unwrap_or_else(PoisonError::into_inner);
-    let found = contexts.live.iter().find(|(number, _)| *number == context.addr());
-    found.map(|(_, context)| context.clone()).ok_or_else(|| {
+    contexts.live.get(&context.addr()).cloned().ok_or_else(|| {
         let message = format!("context {context:p} was destroyed or never created");
         Failure::new(CrumpleResult::CrumpleErrorInvalidId, message)
     })
@@ -229,7 +229,7 @@ pub unsafe extern "C" fn crumple_context_create(
             None => Quiet(Box::new(ThreadPool::new(def.threads as usize)?)),
         };
         let mut contexts = CONTEXTS.write().unwrap_or_else(PoisonError::into_inner);
-        let taken = |tag: u16| contexts.live.iter().any(|(number, _)| tag_of(*number) == tag);
+        let taken = |tag: u16| contexts.live.keys().any(|number| tag_of(*number) == tag);
         let number = (1..=usize::from(u16::MAX) + 1)
             .map(|i| contexts.last + i)
             .find(|&number| tag_of(number * STEP) != 0 && !taken(tag_of(number * STEP)))
@@ -246,7 +246,7 @@ pub unsafe extern "C" fn crumple_context_create(
         };
         granted()?;
         contexts.last = number;
-        contexts.live.push((number * STEP, Arc::new(context)));
+        contexts.live.insert(number * STEP, Arc::new(context));
         out.write(std::ptr::without_provenance_mut(number * STEP));
         Ok(())
     })
@@ -268,11 +268,7 @@ pub unsafe extern "C" fn crumple_context_destroy(context: *mut CrumpleContext) -
         #[cfg(feature = "vulkan")]
         state.vulkan.as_ref().map_or(Ok(()), super::device::Attached::check_idle)?;
         drop(state);
-        let mut contexts = CONTEXTS.write().unwrap_or_else(PoisonError::into_inner);
-        contexts.live.retain(|(number, _)| *number != context.addr());
-        if contexts.live.is_empty() {
-            contexts.live = Vec::new(); // nothing stays behind
-        }
+        CONTEXTS.write().unwrap_or_else(PoisonError::into_inner).live.remove(&context.addr());
         Ok(())
     })
 }

@@ -66,22 +66,22 @@ impl Kind {
 
     /// The host's own, which `call` works with.
     pub(super) fn hosts(&mut self, call: &str) -> Result<&mut Device, Failure> {
-        match self {
-            Kind::Hosts(device) => Ok(device),
-            Kind::Own(_) => Err(Failure::invalid(format!(
+        let Kind::Hosts(device) = self else {
+            return Err(Failure::invalid(format!(
                 "the device is Crumple's own, from crumple_vulkan_open(); {call} is for one of crumple_vulkan_attach()"
-            ))),
-        }
+            )));
+        };
+        Ok(device)
     }
 
     /// Crumple's own, which `call` works with.
     pub(super) fn own(&mut self, call: &str) -> Result<&mut OwnDevice, Failure> {
-        match self {
-            Kind::Own(own) => Ok(own),
-            Kind::Hosts(_) => Err(Failure::invalid(format!(
+        let Kind::Own(own) = self else {
+            return Err(Failure::invalid(format!(
                 "the device is yours, from crumple_vulkan_attach(); {call} is for one of crumple_vulkan_open()"
-            ))),
-        }
+            )));
+        };
+        Ok(own)
     }
 }
 

@@ -28,6 +28,7 @@ pub(super) struct SetEntry {
     /// The parts of a glTF body: lods 1 and up.
     pub(super) parts: Vec<CrumplePart>,
     /// What primitives and parts point to.
+    #[cfg(feature = "gltf")]
     pub(super) texts: Vec<CString>,
     pub(super) node_transform: [f32; 16],
 }
@@ -95,6 +96,7 @@ impl SetEntry {
             names: set.examples().iter().map(|example| c_string(example.name())).collect(),
             primitives: vec![whole],
             parts: Vec::new(),
+            #[cfg(feature = "gltf")]
             texts: Vec::new(),
             node_transform: glam::Mat4::IDENTITY.to_cols_array(),
             set: Arc::new(set),

@@ -21,6 +21,20 @@ const HITS: u32 = 400;
 /// Vertices of the set.
 const N: usize = 50;
 
+/// The result of a call.
+macro_rules! result {
+    ($call:expr) => {{
+        // SAFETY: what these tests pass lives across the calls, memory of buffers until they are unregistered.
+        unsafe { $call }
+    }};
+}
+
+macro_rules! ok {
+    ($call:expr) => {
+        assert_eq!(result!($call), R::CrumpleOk)
+    };
+}
+
 fn hit(i: u32) -> CrumpleHitDef {
     let mut def = crumple_hit_def_default();
     def.kind = MaybeUninit::new(CrumpleHitKind::Displacement);
@@ -40,12 +54,9 @@ impl Host {
         let (mut context, mut set, file) = (null_mut(), CrumpleExampleSet::default(), plates().save().unwrap());
         let def = CrumpleContextDef { threads, ..crumple_context_def_default() };
         let copy = MaybeUninit::new(CrumpleBytes::Copy);
-        // SAFETY: everything lives across the calls.
-        unsafe {
-            assert_eq!(crumple_context_create(&def, &mut context), R::CrumpleOk);
-            let (data, size) = (file.as_ptr().cast(), file.len());
-            assert_eq!(crumple_example_set_load_baked_memory(context, data, size, copy, &mut set), R::CrumpleOk);
-        }
+        ok!(crumple_context_create(&def, &mut context));
+        let (data, size) = (file.as_ptr().cast(), file.len());
+        ok!(crumple_example_set_load_baked_memory(context, data, size, copy, &mut set));
         Self { context: context.into(), set }
     }
 
@@ -57,24 +68,18 @@ impl Host {
     fn body(&self) -> CrumpleInstance {
         let (mut id, mut def) = (CrumpleInstance::default(), crumple_instance_def_default());
         (def.set, def.mark_capacity) = (self.set, 65535);
-        // SAFETY: both live across the call.
-        assert_eq!(unsafe { crumple_instance_create(self.context(), &def, &mut id) }, R::CrumpleOk);
+        ok!(crumple_instance_create(self.context(), &def, &mut id));
         id
     }
 
     fn submit(&self, body: CrumpleInstance, def: &CrumpleHitDef) -> R {
         let mut told = MaybeUninit::uninit();
-        // SAFETY: both live across the call.
-        unsafe { crumple_instance_submit_hit(self.context(), body, def, told.as_mut_ptr()) }
+        result!(crumple_instance_submit_hit(self.context(), body, def, told.as_mut_ptr()))
     }
 
     fn saved(&self, body: CrumpleInstance) -> Vec<u8> {
         let (mut bytes, mut size) = (vec![0u8; 1 << 20], 0);
-        // SAFETY: as many bytes as claimed.
-        let result = unsafe {
-            crumple_instance_save_damage(self.context(), body, bytes.as_mut_ptr().cast(), bytes.len(), &mut size)
-        };
-        assert_eq!(result, R::CrumpleOk);
+        ok!(crumple_instance_save_damage(self.context(), body, bytes.as_mut_ptr().cast(), bytes.len(), &mut size));
         bytes.truncate(size);
         bytes
     }
@@ -84,16 +89,14 @@ impl Host {
         let (mut buffer, mut def) = (CrumpleBuffer::default(), crumple_host_buffer_def_default());
         let (data, size) = (memory.as_mut_ptr().cast(), size_of_val(memory));
         def.positions = CrumpleStream { data, size, offset: 12 * first, stride: 12 };
-        // SAFETY: both live across the call.
-        assert_eq!(unsafe { crumple_buffer_register_host(self.context(), body, &def, &mut buffer) }, R::CrumpleOk);
+        ok!(crumple_buffer_register_host(self.context(), body, &def, &mut buffer));
         buffer
     }
 
     /// Deforms these buffers, or all.
     fn deform(&self, buffers: &[CrumpleBuffer]) -> R {
         let pointer = if buffers.is_empty() { null() } else { buffers.as_ptr() };
-        // SAFETY: the memory of all buffers lives until they are unregistered.
-        unsafe { crumple_context_deform(self.context(), pointer, buffers.len() as u32, null_mut()) }
+        result!(crumple_context_deform(self.context(), pointer, buffers.len() as u32, null_mut()))
     }
 
     /// What the thread that owns the context does in a frame.
@@ -103,15 +106,13 @@ impl Host {
         assert_eq!(self.deform(&[]), R::CrumpleOk);
         self.saved(body);
         *others.lock().unwrap() = self.body();
-        // SAFETY: its buffer is unregistered with the body.
-        assert_eq!(unsafe { crumple_instance_destroy(self.context(), body) }, R::CrumpleOk);
+        ok!(crumple_instance_destroy(self.context(), body));
     }
 }
 
 impl Drop for Host {
     fn drop(&mut self) {
-        // SAFETY: the last call.
-        assert_eq!(unsafe { crumple_context_destroy(self.context()) }, R::CrumpleOk);
+        ok!(crumple_context_destroy(self.context()));
     }
 }
 
@@ -161,8 +162,7 @@ fn memory_of_two_buffers_must_not_overlap_in_debug_builds() {
     assert_eq!(host.deform(&[first, beside]), R::CrumpleOk);
     let refused = if cfg!(debug_assertions) { R::CrumpleErrorInvalidArgument } else { R::CrumpleOk };
     assert_eq!(host.deform(&[]), refused);
-    // SAFETY: a buffer that is there.
-    assert_eq!(unsafe { crumple_buffer_unregister(host.context(), across) }, R::CrumpleOk);
+    ok!(crumple_buffer_unregister(host.context(), across));
     assert_eq!(host.deform(&[]), R::CrumpleOk);
     assert!(!cfg!(debug_assertions) || memory[..N] == memory[N..2 * N], "a buffer that was refused was written");
     assert_eq!(memory[2 * N..], [[0.0; 3]; N]);
