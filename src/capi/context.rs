@@ -268,7 +268,11 @@ pub unsafe extern "C" fn crumple_context_destroy(context: *mut CrumpleContext) -
         #[cfg(feature = "vulkan")]
         state.vulkan.as_ref().map_or(Ok(()), super::device::Attached::check_idle)?;
         drop(state);
-        CONTEXTS.write().unwrap_or_else(PoisonError::into_inner).live.remove(&context.addr());
+        let mut contexts = CONTEXTS.write().unwrap_or_else(PoisonError::into_inner);
+        contexts.live.remove(&context.addr());
+        if contexts.live.is_empty() {
+            contexts.live = BTreeMap::new(); // nothing stays behind
+        }
         Ok(())
     })
 }

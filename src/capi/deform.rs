@@ -35,9 +35,9 @@ pub unsafe extern "C" fn crumple_context_deform(
     out_report: *mut CrumpleDeformReport,
 ) -> CrumpleResult {
     exclusive("crumple_context_deform", context, |context, state| {
-        let (out, given) = (Out::optional(out_report, "out_report")?, array(buffers, count as usize, "buffers")?);
+        let out = Out::optional(out_report, "out_report")?;
         let State { instances, buffers: entries, host_jobs, vertex_budget, .. } = state;
-        let report = with_jobs(&context.tasks, (instances, entries), host_jobs, (buffers, given), |jobs| {
+        let report = with_jobs(&context.tasks, (instances, entries), host_jobs, (buffers, count), |jobs| {
             Ok(deform_within(jobs, *vertex_budget, &context.tasks)?)
         })?;
         out.answer(CrumpleDeformReport {

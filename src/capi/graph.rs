@@ -73,11 +73,10 @@ pub unsafe extern "C" fn crumple_graph_plan(
 ) -> CrumpleResult {
     built_with!("vulkan", exclusive, "crumple_graph_plan", context, |context, state| {
         let outs = (Out::new(out_plan, "out_plan")?, Out::optional(out_report, "out_report")?);
-        let given = array(buffers, count as usize, "buffers")?;
         let State { instances, buffers: entries, graph, graph_jobs, vertex_budget, .. } = state;
         let GraphState { graph, uploads, dispatches } = graph;
         graph.set_vertex_budget(*vertex_budget);
-        with_jobs(&context.tasks, (instances, entries), graph_jobs, (buffers, given), |jobs| {
+        with_jobs(&context.tasks, (instances, entries), graph_jobs, (buffers, count), |jobs| {
             let (report, passes) = graph.plan(jobs)?;
             uploads.clear();
             uploads.extend(passes.uploads.iter().map(|upload| CrumpleGraphUpload {

@@ -1,5 +1,6 @@
 //! The buffers that a deform, a recording or a plan writes, as jobs for what writes them.
 
+use super::check::array;
 use super::result::Failure;
 use super::store::{BufferEntry, Buffers, Instances, JobList, Memory};
 use super::types::CrumpleBuffer;
@@ -62,17 +63,17 @@ impl BufferJob for Job<'static, crate::graph::Target> {
     }
 }
 
-/// Calls `f` with a job for each buffer that a call names, those of the array `given` or, where its `pointer` is null, all of a kind.
+/// Calls `f` with a job for each buffer that a call names, those of an array or, where it is null, all of a kind.
 /// Hits that wait become damage first: of all instances where all buffers are named, so that the damage of a body does not depend on
 /// whether it has a buffer; else of the instances that own these buffers.
-pub(super) fn with_jobs<J: BufferJob, R>(
+pub(super) unsafe fn with_jobs<J: BufferJob, R>(
     tasks: &dyn TaskSystem,
     (instances, entries): (&mut Instances, &mut Buffers),
     list: &mut JobList<J>,
-    (pointer, given): (*const CrumpleBuffer, &[CrumpleBuffer]),
+    (buffers, count): (*const CrumpleBuffer, u32),
     f: impl FnOnce(&mut [J::Of<'_>]) -> Result<R, Failure>,
 ) -> Result<R, Failure> {
-    let all = pointer.is_null();
+    let (all, given) = (buffers.is_null(), array(buffers, count as usize, "buffers")?);
     let chosen = &mut list.chosen;
     chosen.clear();
     may_fail(|| chosen.try_reserve(given.len())).map_err(|_| Failure::out_of_memory("the list of buffers"))?;

@@ -20,62 +20,42 @@
 #![allow(unsafe_op_in_unsafe_fn)]
 #![cfg_attr(not(feature = "vulkan"), allow(irrefutable_let_patterns))]
 
-// crumple.h
+mod allocator;
+mod authoring;
+mod boundary;
 mod buffer;
+mod build;
+mod c_enum;
+mod check;
+mod contact_ids;
 mod contacts;
 mod context;
 mod damage;
 mod deform;
-mod hit;
-mod instance;
-mod result;
-mod set;
-mod tasks;
-mod types;
-mod version;
-
-// crumple_build.h
-mod authoring;
-mod build;
-mod memory;
-
-// crumple_import.h
-mod load;
-
-// crumple_parts.h
-mod parts;
-
-// crumple_contacts.h
-mod contact_ids;
-
-// crumple_view.h
-mod view;
-
-// crumple_host.h
-mod allocator;
-mod share;
-
-// crumple_vulkan.h
-mod vulkan;
-mod vulkan_types;
-
-// crumple_graph.h
-mod graph;
-mod graph_types;
-
-// No header.
-mod boundary;
-mod c_enum;
-mod check;
 #[cfg(feature = "vulkan")]
 mod device;
+mod graph;
+mod graph_types;
+mod hit;
 mod ids;
+mod instance;
 mod jobs;
+mod load;
+mod memory;
+mod parts;
 mod prelude;
+mod result;
+mod set;
+mod share;
 mod store;
-
+mod tasks;
 #[cfg(test)]
 mod tests;
+mod types;
+mod version;
+mod view;
+mod vulkan;
+mod vulkan_types;
 
 /// The entry points and what they take, for the fuzzer.
 #[cfg(fuzzing)]

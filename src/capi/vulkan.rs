@@ -129,11 +129,11 @@ pub unsafe extern "C" fn crumple_vulkan_record(
     out_report: *mut CrumpleRecordReport,
 ) -> CrumpleResult {
     built_with!("vulkan", exclusive, "crumple_vulkan_record", context, |context, state| {
-        let (out, given) = (Out::optional(out_report, "out_report")?, array(buffers, count as usize, "buffers")?);
+        let out = Out::optional(out_report, "out_report")?;
         if command_buffer.is_null() {
             return Err(Failure::null("command_buffer"));
         }
-        let report = with_device(context, state, (buffers, given), |device, jobs| {
+        let report = with_device(context, state, (buffers, count), |device, jobs| {
             let commands = vk::CommandBuffer::from_raw(command_buffer.addr() as u64);
             Ok(device.hosts("crumple_vulkan_record()")?.record(commands, frame, jobs)?)
         })?;
@@ -259,13 +259,10 @@ pub unsafe extern "C" fn crumple_vulkan_submit(
 ) -> CrumpleResult {
     built_with!("vulkan", exclusive, "crumple_vulkan_submit", context, |context, state| {
         let outs = (Out::optional(out_frame, "out_frame")?, Out::optional(out_report, "out_report")?);
-        let (given, waits, signals) = (
-            array(buffers, count as usize, "buffers")?,
-            array(waits, wait_count as usize, "waits")?,
-            array(signals, signal_count as usize, "signals")?,
-        );
+        let waits = array(waits, wait_count as usize, "waits")?;
+        let signals = array(signals, signal_count as usize, "signals")?;
         let ids = |all: &[u64]| all.iter().map(|id| SemaphoreId(*id)).collect::<Vec<_>>();
-        let (frame, report) = with_device(context, state, (buffers, given), |device, jobs| {
+        let (frame, report) = with_device(context, state, (buffers, count), |device, jobs| {
             Ok(device.own("crumple_vulkan_submit()")?.submit(jobs, &ids(waits), &ids(signals))?)
         })?;
         outs.0.write(frame);
@@ -305,10 +302,10 @@ unsafe fn attach(
 
 /// Calls `f` with the device and a job for each of the chosen buffers.
 #[cfg(feature = "vulkan")]
-fn with_device<R>(
+unsafe fn with_device<R>(
     context: &Context,
     state: &mut State,
-    given: (*const CrumpleBuffer, &[CrumpleBuffer]),
+    given: (*const CrumpleBuffer, u32),
     f: impl FnOnce(&mut Kind, &mut [RecordJob<'_>]) -> Result<R, Failure>,
 ) -> Result<R, Failure> {
     let State { instances, buffers: entries, vulkan, vulkan_jobs, vertex_budget, .. } = state;
