@@ -23,9 +23,6 @@ pub struct Options {
     /// Fail a stage if a program that it needs is missing; CI=true sets this too
     #[arg(long)]
     pub require_all: bool,
-    /// The same as without options
-    #[arg(long, hide = true, conflicts_with_all = ["all", "only"])]
-    pub quick: bool,
     /// Run only this stage, or this check of `cargo xtask ci`; may be given several times
     #[arg(long, value_name = "STAGE")]
     pub only: Vec<String>,

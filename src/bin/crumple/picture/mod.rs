@@ -81,7 +81,7 @@ impl Subject<'_> {
         let (coats, coat_of) = self.coats;
         let before = self.body(self.before, self.before_normals, coat_of);
         let after = self.body(self.after, self.after_normals, coat_of);
-        let finish = if coats.is_empty() { Finish::Paint } else { Finish::Coats(coats) };
+        let finish = Finish::Coats(coats);
         let hits = match self.contacts.len() {
             1 => "1 hit".to_owned(),
             n => format!("{n} hits"),

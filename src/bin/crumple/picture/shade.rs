@@ -56,8 +56,7 @@ pub struct Studio<'a> {
 
 /// The appearance of the body's surface.
 pub enum Finish<'a> {
-    Paint,
-    /// The values of the body's vertices are indices of these.
+    /// The values of the body's vertices are indices of these. A body without any has blue paint.
     Coats(&'a [Coat]),
     /// Colours of values from 0 to `maximum`, m.
     Heat {
@@ -147,7 +146,6 @@ impl<'a> Studio<'a> {
         let n = surface.normal.normalize_or(-ray);
         let v = -ray.normalize();
         match finish {
-            Finish::Paint => self.paint(PAINT, n, v, shade),
             Finish::Coats(coats) => {
                 let coat = coats.get(surface.value.round() as usize).copied().unwrap_or(PAINT);
                 self.paint(coat, n, v, shade)
