@@ -151,7 +151,7 @@ impl Attached {
     }
 
     pub(super) fn remove(&mut self, target: Target) -> Result<(), Failure> {
-        let handle = target.handle.as_raw();
+        let handle = target.binding.handle.as_raw();
         let Some(host) = self.hosts.get_mut(&handle) else { return Ok(()) };
         host.ranges -= 1;
         self.forget(handle)

@@ -11,7 +11,7 @@ use super::types::{CrumpleBuffer, CrumpleExampleSet, CrumpleInstance};
 use crate::deform::Tracker;
 use crate::example::set::ExampleSet;
 #[cfg(feature = "vulkan")]
-use crate::gpu::{Job, PlanTarget};
+use crate::gpu::Job;
 use crate::instance::Instance;
 use crate::instance::deform::DeformJob;
 use std::ffi::{CString, c_char};
@@ -154,9 +154,9 @@ impl Memory {
         match self {
             Memory::Host(_, tracker) => tracker,
             #[cfg(feature = "vulkan")]
-            Memory::Vulkan(target) => &target.state().tracker,
+            Memory::Vulkan(target) => &target.state.tracker,
             #[cfg(feature = "vulkan")]
-            Memory::Graph(target) => &target.state().tracker,
+            Memory::Graph(target) => &target.state.tracker,
         }
     }
 

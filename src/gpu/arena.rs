@@ -1,8 +1,9 @@
 //! Meshes on the device. Each set and level of detail is uploaded once, into a few large buffers.
 
 use super::limits::BindingLimits;
-use super::mesh::{MeshPlacement, MeshWords};
-use crate::base::error::Error;
+use super::mesh::MeshWords;
+use crate::base::error::{Error, reserve};
+use crate::example::mesh_lod::MeshLod;
 use crate::example::set::ExampleSet;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Weak};
@@ -32,36 +33,35 @@ struct Chunk<B> {
 /// A mesh on the device.
 #[derive(Debug)]
 pub(crate) struct ResidentMesh {
-    set: Weak<ExampleSet>,
-    lod: usize,
-    pub place: MeshPlacement,
+    pub set: Weak<ExampleSet>,
+    pub lod: usize,
+    pub place: MeshWords,
     /// Id of the chunk that holds it.
     pub chunk: u32,
     /// The last frame that reads it, on backends that number frames.
     last_frame: AtomicU64,
 }
 
-/// Words to copy into a chunk.
-pub(crate) struct Upload<'a> {
-    set: &'a ExampleSet,
-    lod: usize,
-    mesh: &'a MeshWords,
-    /// The first word in the chunk.
-    pub at: u32,
-    pub words: u64,
-}
-
-impl Upload<'_> {
-    /// Writes the words into memory of that size.
-    pub(crate) fn write(&self, to: &mut [u32]) -> Result<(), Error> {
-        self.mesh.write(self.set.lod(self.lod)?, to);
-        Ok(())
-    }
-}
-
 impl ResidentMesh {
+    /// Whether it is a mesh of the set.
+    pub(crate) fn is_of(&self, set: &Arc<ExampleSet>) -> bool {
+        std::ptr::eq(self.set.as_ptr(), Arc::as_ptr(set))
+    }
+
+    /// Bytes from the start of the chunk to the mesh.
+    pub(crate) fn offset(&self) -> u64 {
+        4 * u64::from(self.place.at)
+    }
+
+    /// The mesh's words.
+    pub(crate) fn to_words(&self, lod: &MeshLod) -> Result<Vec<u32>, Error> {
+        let mut words = reserve(self.place.total as usize, "a mesh and its examples")?;
+        words.resize(self.place.total as usize, 0);
+        self.place.write(lod, &mut words);
+        Ok(words)
+    }
+
     /// Notes that a frame reads the mesh.
-    #[cfg(feature = "vulkan")]
     pub(crate) fn used_in(&self, frame: u64) {
         self.last_frame.fetch_max(frame, Ordering::Relaxed);
     }
@@ -79,24 +79,23 @@ impl<B> Arena<B> {
         (set, lod): (&Arc<ExampleSet>, usize),
         limits: &BindingLimits,
         make: impl FnOnce(u64) -> Result<B, Error>,
-        upload: impl FnOnce(&B, &Upload<'_>) -> Result<(), Error>,
+        upload: impl FnOnce(&B, &Arc<ResidentMesh>, &MeshLod) -> Result<(), Error>,
     ) -> Result<Arc<ResidentMesh>, Error> {
-        let same = |w: &Weak<ExampleSet>| std::ptr::eq(w.as_ptr(), Arc::as_ptr(set));
-        if let Some(mesh) = self.meshes.iter().find(|m| same(&m.set) && m.lod == lod) {
+        if let Some(mesh) = self.meshes.iter().find(|m| m.is_of(set) && m.lod == lod) {
             return Ok(mesh.clone());
         }
-        let words = MeshWords::new(set.lod(lod)?);
-        let index = match self.chunks.iter().position(|c| c.words - c.used >= words.total()) {
+        let of_set = set.lod(lod)?;
+        let words = MeshWords::new(of_set, 0).total;
+        let index = match self.chunks.iter().position(|c| c.words - c.used >= words) {
             Some(index) => index,
-            None => self.add_chunk(words.total(), limits, make)?,
+            None => self.add_chunk(words, limits, make)?,
         };
         let chunk = &mut self.chunks[index];
-        let at = chunk.used as u32;
-        upload(&chunk.buffer, &Upload { set, lod, mesh: &words, at, words: words.total() })?;
-        chunk.used += words.total();
-        let place = MeshPlacement { mesh: words, at };
-        let (set, chunk) = (Arc::downgrade(set), chunk.id);
-        let mesh = Arc::new(ResidentMesh { set, lod, place, chunk, last_frame: AtomicU64::new(0) });
+        let place = MeshWords::new(of_set, chunk.used as u32);
+        let last_frame = AtomicU64::new(0);
+        let mesh = Arc::new(ResidentMesh { set: Arc::downgrade(set), lod, place, chunk: chunk.id, last_frame });
+        upload(&chunk.buffer, &mesh, of_set)?;
+        chunk.used += words;
         self.meshes.push(mesh.clone());
         Ok(mesh)
     }
@@ -122,21 +121,16 @@ impl<B> Arena<B> {
         &chunk.expect("a chunk stays as long as any mesh in it").buffer
     }
 
-    /// Forgets meshes that no target shows and no frame above `done` reads. Calls `freed` with each chunk that is empty then.
-    pub(crate) fn collect(&mut self, done: u64, mut freed: impl FnMut(u32, &B)) {
+    /// Forgets meshes that no target shows and no frame above `done` reads, and drops the buffers of chunks that are empty then.
+    /// Calls `freed` with the id of each.
+    pub(crate) fn collect(&mut self, done: u64, mut freed: impl FnMut(u32)) {
         self.meshes.retain(|m| Arc::strong_count(m) > 1 || m.last_frame.load(Ordering::Relaxed) > done);
         self.chunks.retain(|c| {
             let kept = self.meshes.iter().any(|m| m.chunk == c.id);
             if !kept {
-                freed(c.id, &c.buffer);
+                freed(c.id);
             }
             kept
         });
-    }
-
-    /// All buffers.
-    #[cfg(feature = "vulkan")]
-    pub(crate) fn buffers(&self) -> impl Iterator<Item = &B> {
-        self.chunks.iter().map(|c| &c.buffer)
     }
 }

@@ -26,6 +26,17 @@ impl Encoding {
 }
 
 impl Attribute {
+    /// All attributes.
+    pub(crate) const ALL: [Attribute; 3] = [Attribute::Position, Attribute::Normal, Attribute::Tangent];
+
+    /// The encodings that it can have.
+    pub(crate) fn encodings(self) -> &'static [Encoding] {
+        match self {
+            Attribute::Position => &[Encoding::F32, Encoding::F16x4, Encoding::Snorm16x4],
+            _ => &[Encoding::F32, Encoding::Snorm16x4, Encoding::Snorm8x4, Encoding::Octahedral16x2],
+        }
+    }
+
     pub(crate) fn name(self) -> &'static str {
         match self {
             Attribute::Position => "position",
@@ -34,12 +45,8 @@ impl Attribute {
         }
     }
 
-    pub(crate) fn plural(self) -> &'static str {
-        match self {
-            Attribute::Position => "positions",
-            Attribute::Normal => "normals",
-            Attribute::Tangent => "tangents",
-        }
+    pub(crate) fn plural(self) -> String {
+        format!("{}s", self.name())
     }
 }
 

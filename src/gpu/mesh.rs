@@ -9,29 +9,34 @@ use bytemuck::cast_slice;
 /// Words of the head of an example's block: widths, groups, and the first words of displacements and of changes of normals.
 const HEAD_WORDS: usize = 4;
 
-/// The first words of the parts of a mesh, counted from the mesh.
+/// The first words of the parts of a mesh in a chunk of the arena.
 #[derive(Debug)]
 pub(crate) struct MeshWords {
-    positions: u32,
-    normals: Option<u32>,
-    tangents: Option<u32>,
+    /// The first of all.
+    pub at: u32,
+    pub positions: u32,
+    pub normals: Option<u32>,
+    pub tangents: Option<u32>,
     /// For each example a word a block: the offset of the block's head from here, or [`NONE`] if the example stores nothing of
     /// the block. The heads and the numbers follow.
-    examples: Vec<u32>,
-    /// Depth limits, and 1 - stiffness: two vertices a word.
-    limits: [Option<u32>; 2],
+    pub examples: Vec<u32>,
+    /// The vertices' depth limits, and 1 - stiffness, where there are any: two vertices a word.
+    pub limits: [Option<u32>; 2],
     /// The heads of tiles; then nodes, weights and slopes.
-    tiles: u32,
+    pub tiles: u32,
     /// The largest sum of a vertex's absolute weights, in units of 1 / [`crate::basis::ONE`].
     pub most: u32,
-    total: u64,
+    /// Number of words.
+    pub total: u64,
 }
 
 impl MeshWords {
-    pub(crate) fn new(lod: &MeshLod) -> Self {
-        let mut at = Counter(0);
+    /// Lays out a mesh from a word of its chunk on.
+    pub(crate) fn new(lod: &MeshLod, first: u32) -> Self {
+        let mut at = Counter(u64::from(first));
         let n = lod.vertex_count();
         MeshWords {
+            at: first,
             positions: at.take(3 * n),
             normals: lod.mesh.normals().map(|_| at.take(3 * n)),
             tangents: lod.mesh.tangents().map(|_| at.take(4 * n)),
@@ -39,17 +44,13 @@ impl MeshWords {
             limits: lod.mesh.limits().parts().map(|l| (!l.is_empty()).then(|| at.take(l.as_flattened().len() / 2))),
             tiles: at.take(tile_words_len(&lod.rows)),
             most: lod.rows.tiles.iter().map(|t| t.most).max().unwrap_or(0),
-            total: at.0,
+            total: at.0 - u64::from(first),
         }
     }
 
-    pub(crate) fn total(&self) -> u64 {
-        self.total
-    }
-
-    /// Writes the mesh that this was made from.
+    /// Writes the mesh that this was made from to its words.
     pub(crate) fn write(&self, lod: &MeshLod, to: &mut [u32]) {
-        let mut put = |at: u32, from: &[u32]| to[at as usize..][..from.len()].copy_from_slice(from);
+        let mut put = |at: u32, from: &[u32]| to[(at - self.at) as usize..][..from.len()].copy_from_slice(from);
         put(self.positions, cast_slice(lod.mesh.positions()));
         if let (Some(at), Some(normals)) = (self.normals, lod.mesh.normals()) {
             put(at, cast_slice(normals));
@@ -121,43 +122,6 @@ fn tile_words(rows: &Rows) -> Vec<u32> {
 /// Words of an example before its numbers.
 fn numbers_at(lod: &MeshLod, a: &DeltaBlocks) -> usize {
     lod.blocks() + HEAD_WORDS * a.heads.len()
-}
-
-/// A mesh in a chunk of the arena.
-#[derive(Debug)]
-pub(crate) struct MeshPlacement {
-    pub mesh: MeshWords,
-    /// The first word in the chunk.
-    pub at: u32,
-}
-
-impl MeshPlacement {
-    pub(crate) fn positions(&self) -> u32 {
-        self.at + self.mesh.positions
-    }
-
-    pub(crate) fn normals(&self) -> Option<u32> {
-        self.mesh.normals.map(|at| self.at + at)
-    }
-
-    pub(crate) fn tangents(&self) -> Option<u32> {
-        self.mesh.tangents.map(|at| self.at + at)
-    }
-
-    /// The first word of an example.
-    pub(crate) fn example(&self, example: usize) -> u32 {
-        self.at + self.mesh.examples[example]
-    }
-
-    /// The first words of the vertices' depth limits and of 1 - stiffness, where there are any.
-    pub(crate) fn limits(&self) -> [Option<u32>; 2] {
-        self.mesh.limits.map(|at| at.map(|at| self.at + at))
-    }
-
-    /// The first word of the tiles.
-    pub(crate) fn tiles(&self) -> u32 {
-        self.at + self.mesh.tiles
-    }
 }
 
 struct Counter(u64);

@@ -15,23 +15,21 @@ mod vertices;
 mod work;
 
 pub use crate::deform::Encoding;
-#[cfg(feature = "wgpu")]
-pub(crate) use arena::Upload;
 pub(crate) use arena::{Arena, ResidentMesh};
 pub use format::{Attribute, encode};
-pub(crate) use kernel::{Case, Variant};
+#[cfg(feature = "vulkan")]
+pub(crate) use kernel::Case;
+pub(crate) use kernel::Variant;
 pub(crate) use layout::Call;
 pub(crate) use limits::{BindingLimits, check_workgroup_size};
+pub(crate) use plan::Plan;
 pub use plan::{FrameReport, Job};
-pub(crate) use plan::{Plan, PlanTarget, missing_state};
 #[cfg(feature = "wgpu")]
 pub(crate) use spirv::Module;
 #[cfg(feature = "vulkan")]
 pub(crate) use spirv::compiled;
-pub(crate) use target::TargetState;
+pub use target::Target;
 pub(crate) use vertices::binding_range;
 pub use vertices::{HostFormat, TargetDef, VertexStream};
-#[cfg(feature = "vulkan")]
-pub(crate) use work::WorkOffsets;
 
 use layout::BLOCK as BLOCK_VERTICES;

@@ -2,15 +2,18 @@
 
 use super::BLOCK_VERTICES;
 use super::kernel::{Case, Kernel, Variant};
-use super::target::TargetState;
-use super::work::{FrameWork, Shown, WorkOffsets};
+use super::layout::Call;
+use super::limits::BindingLimits;
+use super::target::{Target, TargetState};
+use super::work::{FrameWork, Shown};
 use crate::base::error::Error;
 use crate::base::math::Aabb;
 use crate::deform::budget::{Due, waiting};
 use crate::deform::view::{DamageView, Shape};
 use crate::instance::Instance;
+use bytemuck::Zeroable;
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// A target to bring up to date. `T` is the backend's target.
 #[derive(Debug)]
@@ -39,15 +42,6 @@ pub struct FrameReport {
     pub vertices_waiting: u64,
 }
 
-/// A backend's target, as the plan sees it.
-pub(crate) trait PlanTarget {
-    /// The part of a host's buffer that a dispatch binds. Targets with equal bindings share dispatches.
-    type Binding: Copy + Ord;
-    fn binding(&self) -> Self::Binding;
-    fn state(&self) -> &TargetState;
-    fn state_mut(&mut self) -> &mut TargetState;
-}
-
 /// What the targets of one dispatch have in common. (A dispatch for targets with packed and unpacked outputs would
 /// need a variant that none of them has.)
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -67,7 +61,10 @@ pub(crate) struct Dispatch<B> {
     /// The first of its jobs.
     pub job: usize,
     pub variant: Variant,
-    pub blocks: Range<usize>,
+    blocks: Range<usize>,
+    pub call: Call,
+    /// Workgroups in a row, and rows.
+    pub groups: [u32; 2],
 }
 
 impl<B: Copy> Dispatch<B> {
@@ -100,49 +97,82 @@ struct PlannedJob<B> {
 /// The plan of a frame. Its lists are reused from frame to frame.
 #[derive(Debug)]
 pub(crate) struct Plan<B> {
+    /// Distinguishes its targets from those of other plans.
+    pub id: u64,
     /// The most vertices to write in a frame; see [`crate::deform_within`].
     pub budget: u64,
+    /// Invocations a workgroup that the host asks for, and the most workgroups in a row.
+    workgroup: u32,
+    most_groups: u32,
     work: FrameWork,
+    /// Size of the frame's data in words.
+    words: usize,
     waiting: Vec<Due>,
     jobs: Vec<PlannedJob<B>>,
     dispatches: Vec<Dispatch<B>>,
 }
 
-impl<B> Default for Plan<B> {
-    fn default() -> Self {
-        let work = FrameWork::default();
-        Plan { budget: u64::MAX, work, waiting: Vec::new(), jobs: Vec::new(), dispatches: Vec::new() }
-    }
-}
-
-/// The size in bytes of the state that a target needs on the device and does not have. `None` if it needs none.
-pub(crate) fn missing_state<T: PlanTarget>(job: &Job<'_, T>, has_state: bool) -> Option<u64> {
-    let needed = job.instance.classic_state().is_some() && !has_state;
-    needed.then(|| job.instance.example_set().vertex_count() as u64 * job.target.state().kernel.state_bytes())
-}
-
 impl<B: Copy + Ord> Plan<B> {
+    /// Dispatches have at most `most_groups` workgroups in a row, of as many invocations as `workgroup` says.
+    pub(crate) fn new(workgroup: u32, most_groups: u32) -> Self {
+        static NEXT: AtomicU64 = AtomicU64::new(1);
+        Plan {
+            id: NEXT.fetch_add(1, Ordering::Relaxed),
+            budget: u64::MAX,
+            workgroup,
+            most_groups,
+            work: FrameWork::default(),
+            words: 0,
+            waiting: Vec::new(),
+            jobs: Vec::new(),
+            dispatches: Vec::new(),
+        }
+    }
+
     /// Fails if a job's target is another device's or another set's, or if its classic rule cannot be shown on its mesh.
-    pub(crate) fn check<T: PlanTarget<Binding = B>>(jobs: &[Job<'_, T>], device: u64) -> Result<(), Error> {
+    pub(crate) fn check<S, X>(&self, jobs: &[Job<'_, Target<B, S, X>>]) -> Result<(), Error> {
         for (j, Job { instance, target }) in jobs.iter().enumerate() {
-            let target = target.state();
-            if target.device != device {
+            let target = &target.state;
+            if target.device != self.id {
                 let expected = "a target of this device";
                 return Err(Error::invalid(&format!("target of job {j}"), "of another device", expected));
             }
-            if !std::ptr::eq(target.set.as_ptr(), Arc::as_ptr(instance.example_set())) {
+            if !target.mesh.is_of(instance.example_set()) {
                 let expected = "an instance of the target's set";
                 return Err(Error::invalid(&format!("instance of job {j}"), "of another example set", expected));
             }
-            if target.lod > 0 && instance.classic_state().is_some() {
+            if target.mesh.lod > 0 && instance.classic_state().is_some() {
                 return Err(instance.needs_marks("a target of another level of detail than 0"));
             }
         }
         Ok(())
     }
 
+    /// Gives targets of instances with a classic rule the states that they lack. `make` makes one of a size in bytes.
+    #[cfg(any(feature = "vulkan", feature = "wgpu"))]
+    pub(crate) fn add_states<S, X>(
+        jobs: &mut [Job<'_, Target<B, S, X>>],
+        limits: &BindingLimits,
+        mut make: impl FnMut(&TargetState, u64) -> Result<S, Error>,
+    ) -> Result<(), Error> {
+        for Job { instance, target } in jobs {
+            if instance.classic_state().is_some() && target.classic.is_none() {
+                let vertices = instance.example_set().vertex_count() as u64;
+                let bytes = vertices * target.state.layout.kernel().state_bytes();
+                limits.check("a classic rule's state", bytes)?;
+                target.classic = Some(make(&target.state, bytes)?);
+                // The new buffer holds no state, whatever the vertices show.
+                target.state.tracker.invalidate();
+            }
+        }
+        Ok(())
+    }
+
     /// Plans jobs that were checked. Every target of an instance with a classic rule has its state.
-    pub(crate) fn fill<T: PlanTarget<Binding = B>>(&mut self, jobs: &[Job<'_, T>]) -> Result<FrameReport, Error> {
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] for more work than the kernels can address.
+    pub(crate) fn fill<S, X>(&mut self, jobs: &[Job<'_, Target<B, S, X>>]) -> Result<FrameReport, Error> {
         let mut report = FrameReport::default();
         self.work.clear();
         self.jobs.clear();
@@ -151,23 +181,25 @@ impl<B: Copy + Ord> Plan<B> {
         report.vertices_waiting = self.waiting.iter().map(|due| due.vertices).sum();
         let waits = |job: usize| self.waiting.binary_search_by_key(&job, |due| due.output).is_ok();
         for (job, Job { instance, target }) in jobs.iter().enumerate().filter(|(job, _)| !waits(*job)) {
-            let (state, changes) = (target.state(), instance.view().changes);
-            if state.tracker.since(changes, state.lod) != Some(changes.epoch) {
+            let (state, changes) = (&target.state, instance.view().changes);
+            let lod = state.mesh.lod;
+            if state.tracker.since(changes, lod) != Some(changes.epoch) {
                 let classic = instance.classic_state().map(|_| job as u32);
                 let (chunk, packed) = (state.mesh.chunk, state.layout.packed());
-                let key = DispatchKey { binding: target.binding(), chunk, packed, classic };
+                let key = DispatchKey { binding: target.binding, chunk, packed, classic };
                 self.jobs.push(PlannedJob { key, job, bounds: Aabb::EMPTY, blocks: 0..0 });
             } else {
-                report.blocks_skipped += changes.blocks[state.lod].len() as u64;
+                report.blocks_skipped += changes.blocks[lod].len() as u64;
             }
         }
         self.jobs.sort_unstable_by_key(|p| (p.key, p.job));
         for planned in &mut self.jobs {
             let Job { instance, target } = &jobs[planned.job];
-            let target = target.state();
-            let mesh = instance.example_set().lod(target.lod)?;
+            let target = &target.state;
+            let lod = target.mesh.lod;
+            let mesh = instance.example_set().lod(lod)?;
             let view = instance.view();
-            planned.blocks = self.work.add_blocks(target.tracker.dirty(view.changes, target.lod));
+            planned.blocks = self.work.add_blocks(target.tracker.dirty(view.changes, lod));
             report.blocks_written += planned.blocks.len() as u64;
             report.blocks_skipped += (mesh.blocks() - planned.blocks.len()) as u64;
             if planned.blocks.is_empty() {
@@ -178,8 +210,8 @@ impl<B: Copy + Ord> Plan<B> {
             planned.bounds = match (view.shape, instance.classic_state()) {
                 (Shape::Nodes(nodes), _) => self.work.add_nodes(shown, &nodes, &planned.blocks),
                 (_, Some(state)) => {
-                    let since = target.tracker.since(view.changes, target.lod);
-                    let with_normals = target.kernel > Kernel::Positions;
+                    let since = target.tracker.since(view.changes, lod);
+                    let with_normals = target.layout.kernel() > Kernel::Positions;
                     self.work.add_classic(shown, (state, instance.blend_constant()), with_normals, since)
                 }
                 (Shape::Vertices(_), None) => Aabb::EMPTY,
@@ -187,12 +219,12 @@ impl<B: Copy + Ord> Plan<B> {
             match self.dispatches.last_mut().filter(|d| d.key == planned.key) {
                 Some(dispatch) => {
                     dispatch.blocks.end = planned.blocks.end;
-                    dispatch.variant.kernel = dispatch.variant.kernel.max(target.kernel);
+                    dispatch.variant.kernel = dispatch.variant.kernel.max(target.layout.kernel());
                 }
                 None => {
-                    let (key, job) = (planned.key, planned.job);
-                    let variant = target.variant(case);
-                    self.dispatches.push(Dispatch { key, job, variant, blocks: planned.blocks.clone() });
+                    let (key, job, blocks) = (planned.key, planned.job, planned.blocks.clone());
+                    let (variant, call, groups) = (target.layout.variant(case), Call::zeroed(), [0; 2]);
+                    self.dispatches.push(Dispatch { key, job, variant, blocks, call, groups });
                 }
             }
         }
@@ -202,15 +234,20 @@ impl<B: Copy + Ord> Plan<B> {
             let what = format!("{vertices} vertices in one frame; at most 4294967295");
             return Err(Error::Unsupported { what });
         }
+        let offsets = self.work.offsets()?;
+        self.words = offsets.words();
+        for d in &mut self.dispatches {
+            (d.call, d.groups) = offsets.call(&d.blocks, d.variant.vertices(self.workgroup), self.most_groups);
+        }
         Ok(report)
     }
 
     /// Finds the jobs that wait, if there are more vertices to write than the budget has.
-    fn find_waiting<T: PlanTarget<Binding = B>>(&mut self, jobs: &[Job<'_, T>]) {
+    fn find_waiting<S, X>(&mut self, jobs: &[Job<'_, Target<B, S, X>>]) {
         let views: Vec<DamageView<'_>> =
             if self.budget == u64::MAX { Vec::new() } else { jobs.iter().map(|j| j.instance.view()).collect() };
-        let states = jobs.iter().map(|j| j.target.state());
-        self.waiting = waiting(self.budget, states.zip(&views).map(|(state, view)| (&state.tracker, view, state.lod)));
+        let states = jobs.iter().map(|j| &j.target.state);
+        self.waiting = waiting(self.budget, states.zip(&views).map(|(s, view)| (&s.tracker, view, s.mesh.lod)));
     }
 
     /// The dispatches. Those with one binding lie side by side.
@@ -218,36 +255,34 @@ impl<B: Copy + Ord> Plan<B> {
         &self.dispatches
     }
 
-    /// Where the frame's data will lie.
-    ///
-    /// # Errors
-    /// [`Error::Unsupported`] if it is too large.
-    pub(crate) fn offsets(&self) -> Result<WorkOffsets, Error> {
-        self.work.offsets()
+    /// Size of the frame's data in words.
+    pub(crate) fn words(&self) -> usize {
+        self.words
     }
 
-    /// Writes the frame's data: [`WorkOffsets::words`] words.
+    /// Writes the frame's data: [`Plan::words`] words.
     pub(crate) fn write(&self, to: &mut [u32]) {
         self.work.write(to);
     }
 
-    /// Notes what each target will hold once the frame has run, and calls `written` with each target that it writes. Returns the
-    /// number of vertices.
-    pub(crate) fn commit<T: PlanTarget>(&self, jobs: &mut [Job<'_, T>], mut written: impl FnMut(&mut T)) -> u64 {
+    /// Notes what each target will hold once the frame has run. Returns the number of vertices. `frame` is 0 on backends that do not
+    /// number frames.
+    pub(crate) fn commit<S, X>(&self, jobs: &mut [Job<'_, Target<B, S, X>>], frame: u64) -> u64 {
         let mut vertices = 0;
         for job in jobs.iter_mut() {
-            job.target.state_mut().tracker.unchanged();
+            job.target.state.tracker.unchanged();
         }
         for due in &self.waiting {
-            jobs[due.output].target.state_mut().tracker.waits();
+            jobs[due.output].target.state.tracker.waits();
         }
         for planned in self.jobs.iter().filter(|p| !p.blocks.is_empty()) {
             let Job { instance, target } = &mut jobs[planned.job];
-            let TargetState { lod, tracker, .. } = target.state_mut();
-            let Ok(mesh) = instance.example_set().lod(*lod) else { continue };
-            let of = (instance.view().changes, *lod, mesh.vertex_count());
+            let TargetState { mesh, tracker, written_in, .. } = &mut target.state;
+            let Ok(lod) = instance.example_set().lod(mesh.lod) else { continue };
+            let of = (instance.view().changes, mesh.lod, lod.vertex_count());
             vertices += tracker.recorded(of, self.work.listed(&planned.blocks), planned.bounds);
-            written(target);
+            mesh.used_in(frame);
+            *written_in = frame;
         }
         vertices
     }

@@ -1,7 +1,7 @@
 //! Where a host's buffer stores the vertices of a mesh: definition and checks.
 
 use super::format::Attribute;
-use super::kernel::Kernel;
+use super::kernel::{Case, Kernel, Variant};
 use super::limits::BindingLimits;
 use crate::base::error::Error;
 use crate::base::strided::Strided;
@@ -54,95 +54,42 @@ pub struct TargetDef<B, F> {
     pub bias: [f32; 3],
 }
 
-/// A graphics interface's vertex format. Each list gives the formats of an attribute, first the floats.
-pub trait HostFormat: Copy + PartialEq + Debug + 'static {
-    /// Formats of positions.
-    const POSITIONS: [(Self, Encoding); 3];
-    /// Formats of normals.
-    const NORMALS: [(Self, Encoding); 4];
-    /// Formats of tangents.
-    const TANGENTS: [(Self, Encoding); 4];
+/// A graphics interface's vertex format.
+pub trait HostFormat: Copy + PartialEq + Debug {
+    /// The format of an attribute in an encoding that it can have.
+    fn of(attribute: Attribute, encoding: Encoding) -> Self;
 }
 
 impl<B, F: HostFormat> TargetDef<B, F> {
     /// Positions alone, three floats each, tightly packed from `offset` on.
     pub fn positions(buffer: B, offset: u64, size: u64) -> Self {
-        let positions = VertexStream { offset: 0, stride: 12, format: F::POSITIONS[0].0 };
+        let format = F::of(Attribute::Position, Encoding::F32);
+        let positions = VertexStream { offset: 0, stride: 12, format };
         let (normals, tangents) = (None, None);
         let (scale, bias) = ([1.0; 3], [0.0; 3]);
         TargetDef { lod: 0, buffer, offset, size, positions, normals, tangents, scale, bias }
     }
 
-    /// Checks the definition for a mesh and a buffer of `buffer_size` bytes. Returns the layout, the kernel that writes it, and
-    /// the bytes of the buffer from the first that is written to the last.
-    pub(crate) fn layout(&self, mesh: &Mesh, buffer_size: u64) -> Result<(VertexLayout, Kernel, Range<u64>), Error> {
-        let positions = encoded("position", &self.positions, &F::POSITIONS)?;
+    /// Checks the definition for a mesh and a buffer of `buffer_size` bytes. Returns the layout, and the bytes of the buffer from
+    /// the first that is written to the last.
+    pub(crate) fn layout(&self, mesh: &Mesh, buffer_size: u64) -> Result<(VertexLayout, Range<u64>), Error> {
+        let mut streams = [None; 3];
+        let given = [Some(self.positions), self.normals, self.tangents];
+        for ((to, attribute), stream) in streams.iter_mut().zip(Attribute::ALL).zip(given) {
+            *to = stream.map(|s| s.encoded(attribute)).transpose()?;
+        }
         let good = self.scale.iter().all(|s| *s > 0.0 && s.is_finite()) && self.bias.iter().all(|b| b.is_finite());
-        if positions.format == Encoding::Snorm16x4 && !good {
+        if streams[0].is_some_and(|s| s.format == Encoding::Snorm16x4) && !good {
             let value = format!("{:?}, bias {:?}", self.scale, self.bias);
             return Err(Error::invalid("the scale", value, "above 0 and finite, the bias finite, m"));
         }
-        let normals = self.normals.as_ref().map(|s| encoded("normal", s, &F::NORMALS)).transpose()?;
-        let tangents = self.tangents.as_ref().map(|s| encoded("tangent", s, &F::TANGENTS)).transpose()?;
-        let layout = VertexLayout { positions, normals, tangents, scale: self.scale, bias: self.bias };
-        if !self.offset.is_multiple_of(4) {
-            return Err(Error::Misaligned { name: "the target's offset".into(), value: self.offset, align: 4 });
-        }
+        let layout = VertexLayout { streams, scale: self.scale, bias: self.bias };
+        Strided::check_aligned("the target's offset", self.offset, 4)?;
         let needed = self.offset.saturating_add(self.size);
         if needed > buffer_size {
             return Err(Error::BufferTooSmall { name: "the buffer".into(), size: buffer_size, needed });
         }
-        let kernel = layout.kernel(mesh)?;
-        let written = layout.check(mesh.positions().len(), self.size)?;
-        Ok((layout, kernel, self.offset + written.start..self.offset + written.end))
-    }
-}
-
-fn encoded<F: HostFormat>(
-    name: &str,
-    stream: &VertexStream<F>,
-    allowed: &[(F, Encoding)],
-) -> Result<VertexStream<Encoding>, Error> {
-    let VertexStream { offset, stride, format } = *stream;
-    let Some((_, encoding)) = allowed.iter().find(|(allowed, _)| *allowed == format) else {
-        let names: Vec<String> = allowed.iter().map(|(format, _)| format!("{format:?}")).collect();
-        let name = format!("the {name} format");
-        return Err(Error::invalid(&name, format!("{format:?}"), &format!("one of {}", names.join(", "))));
-    };
-    Ok(VertexStream { offset, stride, format: *encoding })
-}
-
-/// The layout of a target's vertices.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct VertexLayout {
-    pub positions: VertexStream<Encoding>,
-    pub normals: Option<VertexStream<Encoding>>,
-    pub tangents: Option<VertexStream<Encoding>>,
-    /// Positions in normalised integers are stored as (p - bias) / scale.
-    pub scale: [f32; 3],
-    pub bias: [f32; 3],
-}
-
-impl VertexLayout {
-    fn streams(&self) -> impl Iterator<Item = (Attribute, VertexStream<Encoding>)> {
-        let some = |a, s: Option<VertexStream<Encoding>>| s.map(|s| (a, s));
-        let normals = some(Attribute::Normal, self.normals);
-        let tangents = some(Attribute::Tangent, self.tangents);
-        [Some((Attribute::Position, self.positions)), normals, tangents].into_iter().flatten()
-    }
-
-    /// Whether an output has another format than 32-bit floats.
-    pub(crate) fn packed(&self) -> bool {
-        self.streams().any(|(_, s)| s.format != Encoding::F32)
-    }
-
-    /// The kernel that writes this layout. Fails if the mesh lacks an attribute.
-    fn kernel(&self, mesh: &Mesh) -> Result<Kernel, Error> {
-        let kernel = match (self.normals, self.tangents) {
-            (_, Some(_)) => Kernel::Tangents,
-            (Some(_), None) => Kernel::Normals,
-            (None, None) => Kernel::Positions,
-        };
+        let kernel = layout.kernel();
         if kernel > Kernel::Positions && mesh.normals().is_none() {
             let what = "a normal or tangent output: the mesh has neither normals nor triangles to compute them from";
             return Err(Error::Unsupported { what: what.into() });
@@ -150,14 +97,50 @@ impl VertexLayout {
         if kernel == Kernel::Tangents && mesh.tangents().is_none() {
             return Err(Error::Unsupported { what: "a tangent output: the mesh has no tangents".into() });
         }
-        Ok(kernel)
+        let written = layout.check(mesh.positions().len(), self.size)?;
+        Ok((layout, self.offset + written.start..self.offset + written.end))
+    }
+}
+
+/// The layout of a target's vertices.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct VertexLayout {
+    /// In the order of [`Attribute::ALL`]. There are always positions.
+    pub streams: [Option<VertexStream<Encoding>>; 3],
+    /// Positions in normalised integers are stored as (p - bias) / scale.
+    pub scale: [f32; 3],
+    pub bias: [f32; 3],
+}
+
+impl VertexLayout {
+    fn named(&self) -> impl Iterator<Item = (Attribute, VertexStream<Encoding>)> {
+        Attribute::ALL.into_iter().zip(self.streams).filter_map(|(attribute, s)| Some((attribute, s?)))
+    }
+
+    /// Whether an output has another format than 32-bit floats.
+    pub(crate) fn packed(&self) -> bool {
+        self.streams.iter().flatten().any(|s| s.format != Encoding::F32)
+    }
+
+    /// The kernel that writes this layout.
+    pub(crate) fn kernel(&self) -> Kernel {
+        match self.streams {
+            [.., Some(_)] => Kernel::Tangents,
+            [_, Some(_), None] => Kernel::Normals,
+            _ => Kernel::Positions,
+        }
+    }
+
+    /// The variant that writes this layout.
+    pub(crate) fn variant(&self, case: Case) -> Variant {
+        Variant { kernel: self.kernel(), case, packed: self.packed() }
     }
 
     /// Fails if a stream is misaligned, overlaps another, or does not fit into `size` bytes. Returns the bytes from the first
     /// that is written to the last.
     fn check(&self, vertices: usize, size: u64) -> Result<Range<u64>, Error> {
         let (mut low, mut high) = (u64::MAX, 0);
-        for (attribute, s) in self.streams() {
+        for (attribute, s) in self.named() {
             let name = attribute.name();
             for (what, value) in [("offset", s.offset), ("stride", s.stride)] {
                 Strided::check_aligned(format_args!("the {name} {what}"), value, 4)?;
@@ -171,8 +154,8 @@ impl VertexLayout {
             low = low.min(s.offset);
             high = high.max(strided.span().end);
         }
-        for (i, (a, s)) in self.streams().enumerate() {
-            for (b, t) in self.streams().skip(i + 1) {
+        for (i, (a, s)) in self.named().enumerate() {
+            for (b, t) in self.named().skip(i + 1) {
                 if s.strided(a, vertices).overlaps(&t.strided(b, vertices)) {
                     let value = format!("offset {} stride {}", s.offset, s.stride);
                     let other = format!("offset {} stride {}", t.offset, t.stride);
@@ -185,8 +168,21 @@ impl VertexLayout {
     }
 }
 
+impl<F: HostFormat> VertexStream<F> {
+    fn encoded(self, attribute: Attribute) -> Result<VertexStream<Encoding>, Error> {
+        let VertexStream { offset, stride, format } = self;
+        let possible = attribute.encodings();
+        if let Some(encoding) = possible.iter().find(|e| F::of(attribute, **e) == format) {
+            return Ok(VertexStream { offset, stride, format: *encoding });
+        }
+        let names: Vec<String> = possible.iter().map(|e| format!("{:?}", F::of(attribute, *e))).collect();
+        let name = format!("the {} format", attribute.name());
+        Err(Error::invalid(&name, format!("{format:?}"), &format!("one of {}", names.join(", "))))
+    }
+}
+
 impl VertexStream<Encoding> {
-    fn strided(&self, attribute: Attribute, vertices: usize) -> Strided {
+    pub(crate) fn strided(&self, attribute: Attribute, vertices: usize) -> Strided {
         let (first, stride) = (self.offset, self.stride);
         Strided { first, stride, element: self.format.bytes(attribute), count: vertices as u64 }
     }
@@ -212,9 +208,7 @@ mod tests {
     fn streams_that_share_bytes_are_refused() {
         let stream = |offset, stride| VertexStream { offset, stride, format: Encoding::F32 };
         let layout = |normals| VertexLayout {
-            positions: stream(0, 24),
-            normals: Some(normals),
-            tangents: None,
+            streams: [Some(stream(0, 24)), Some(normals), None],
             scale: [1.0; 3],
             bias: [0.0; 3],
         };

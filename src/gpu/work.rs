@@ -33,7 +33,7 @@ pub(super) struct FrameWork {
 
 /// First rows of the lists.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct WorkOffsets {
+pub(super) struct WorkOffsets {
     targets: usize,
     parts: usize,
     states: usize,
@@ -71,8 +71,9 @@ impl FrameWork {
         let parts = targets + rows(size_of_val(&self.targets[..]));
         let states = parts + self.parts.len();
         let offsets = WorkOffsets { targets, parts, states, rows: states + rows(size_of_val(&self.states[..])) };
-        if offsets.bytes() > u64::from(u32::MAX) {
-            let what = format!("{} bytes for the work of a frame; at most 4294967295", offsets.bytes());
+        let bytes = 4 * offsets.words() as u64;
+        if bytes > u64::from(u32::MAX) {
+            let what = format!("{bytes} bytes for the work of a frame; at most 4294967295");
             return Err(Error::Unsupported { what });
         }
         Ok(offsets)
@@ -126,7 +127,7 @@ impl FrameWork {
         }
         // The kernel counts rows from the body's first node on.
         let begin = (begin as u32).wrapping_sub(first);
-        let longest = f32::from(nodes.farthest) * nodes.step * (shown.target.mesh.place.mesh.most as f32 / ONE as f32);
+        let longest = f32::from(nodes.farthest) * nodes.step * (shown.target.mesh.place.most as f32 / ONE as f32);
         let limit = Some(shown.view.depth_limit).filter(|limit| may_reach(longest, *limit));
         let flags = if limit.is_some() { LIMITED } else { 0 };
         self.add_target(shown, (begin, longest), (flags, limit.unwrap_or(0.0), NONE));
@@ -152,7 +153,7 @@ impl FrameWork {
                 for hit in hits {
                     let steps = mesh.anchored[hit.example as usize].steps;
                     self.parts.push(cast(ClassicHit {
-                        example: target.mesh.place.example(hit.example as usize),
+                        example: target.mesh.place.examples[hit.example as usize],
                         position_step: steps.position,
                         normal_step: steps.normal,
                         weight: hit.weight,
@@ -190,17 +191,18 @@ impl FrameWork {
         let stream = |s: Option<VertexStream<Encoding>>| {
             s.map_or((0, 0, 0), |s| (word(first.wrapping_add(s.offset)), word(s.stride), s.format as u32))
         };
-        let (position_at, position_stride, position_format) = stream(Some(layout.positions));
-        let (normal_at, normal_stride, normal_format) = stream(layout.normals);
-        let (tangent_at, tangent_stride, tangent_format) = stream(layout.tangents);
+        let [positions, normals, tangents] = layout.streams.map(stream);
+        let (position_at, position_stride, position_format) = positions;
+        let (normal_at, normal_stride, normal_format) = normals;
+        let (tangent_at, tangent_stride, tangent_format) = tangents;
         // A kernel may read an attribute that the target does not have; it writes none of it.
-        let base_positions = place.positions();
+        let base_positions = place.positions;
         let reached = shown.mesh.mesh.limits().least().iter().any(|least| may_reach(longest, *least));
-        let [depths, gives] = place.limits().map(|at| at.filter(|_| reached).unwrap_or(NONE));
+        let [depths, gives] = place.limits.map(|at| at.filter(|_| reached).unwrap_or(NONE));
         self.targets.push(TargetWork {
             base_positions,
-            base_normals: place.normals().unwrap_or(base_positions),
-            base_tangents: place.tangents().unwrap_or(base_positions),
+            base_normals: place.normals.unwrap_or(base_positions),
+            base_tangents: place.tangents.unwrap_or(base_positions),
             position_at,
             position_stride,
             normal_at,
@@ -218,7 +220,7 @@ impl FrameWork {
             given_state,
             depths,
             gives,
-            tiles: place.tiles(),
+            tiles: place.tiles,
             node_step: if let Shape::Nodes(nodes) = shown.view.shape { nodes.step } else { 0.0 },
             padding: [0; 2],
         });
@@ -226,19 +228,14 @@ impl FrameWork {
 }
 
 impl WorkOffsets {
-    /// Size of the lists in bytes.
-    pub(crate) fn bytes(&self) -> u64 {
-        (size_of::<Row>() * self.rows) as u64
-    }
-
     /// Size of the lists in words.
-    pub(crate) fn words(&self) -> usize {
+    pub(super) fn words(&self) -> usize {
         ROW_WORDS * self.rows
     }
 
     /// The call of a dispatch that writes these blocks with so many vertices a workgroup, and its workgroups: how many in a row, at
     /// most `most`, and rows.
-    pub(crate) fn call(&self, blocks: &Range<usize>, vertices: u32, most: u32) -> (Call, [u32; 2]) {
+    pub(super) fn call(&self, blocks: &Range<usize>, vertices: u32, most: u32) -> (Call, [u32; 2]) {
         // The plan has checked that there are less than 2^32 vertices.
         let (count, split) = (blocks.len() as u32, (BLOCK_VERTICES / vertices).ilog2());
         let groups = count << split;

@@ -15,17 +15,13 @@
 //!
 //! The kernels are those of [`crate::vulkan`], and so are the vertices. Classic rules are not supported.
 
-mod target;
-
 pub use ash::vk::Format;
-pub use target::{GraphBuffer, Stream, Target, TargetDef};
 
-use crate::base::error::{Error, reserve};
-use crate::deform::Tracker;
+use crate::base::error::Error;
 use crate::example::set::ExampleSet;
-use crate::gpu::{Arena, BindingLimits, Call, FrameReport, Job, Plan, TargetState, Variant, compiled};
+use crate::gpu::{self, Arena, BindingLimits, Call, FrameReport, Job, Plan, Variant, VertexStream, compiled};
+use std::convert::Infallible;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Invocations a workgroup. Every Vulkan device supports it.
 const WORKGROUP: u32 = 128;
@@ -40,6 +36,24 @@ const STORAGE: BindingLimits =
 pub fn kernel(number: u32) -> Option<Vec<u32>> {
     Some(compiled(Variant::all().nth(number as usize)?, WORKGROUP))
 }
+
+/// A vertex buffer of the host's render graph.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct GraphBuffer {
+    /// The host's number for it.
+    pub number: u64,
+    /// Its size in bytes.
+    pub size: u64,
+}
+
+/// Where a buffer stores the vertices of one mesh.
+pub type TargetDef = gpu::TargetDef<GraphBuffer, Format>;
+
+/// Where a buffer stores one attribute of the vertices.
+pub type Stream = VertexStream<Format>;
+
+/// A mesh's vertices in a buffer, and what they show. Drop it to end it.
+pub type Target = gpu::Target<u64, Infallible>;
 
 /// A target to bring up to date.
 /// <!--
@@ -95,8 +109,6 @@ pub struct Passes {
 /// Plans passes for a host's render graph.
 #[derive(Debug)]
 pub struct Graph {
-    /// Distinguishes its targets from those of others.
-    id: u64,
     /// The sizes of the storages in bytes.
     arena: Arena<u64>,
     plan: Plan<u64>,
@@ -108,10 +120,8 @@ pub struct Graph {
 
 impl Default for Graph {
     fn default() -> Self {
-        static NEXT: AtomicU64 = AtomicU64::new(1);
-        let id = NEXT.fetch_add(1, Ordering::Relaxed);
-        let (arena, plan, passes) = (Arena::new(), Plan::default(), Passes::default());
-        Graph { id, arena, plan, passes, uploads: Vec::new(), freed: Vec::new() }
+        let (arena, plan, passes) = (Arena::new(), Plan::new(WORKGROUP, MOST_GROUPS), Passes::default());
+        Graph { arena, plan, passes, uploads: Vec::new(), freed: Vec::new() }
     }
 }
 
@@ -131,22 +141,16 @@ impl Graph {
     /// for normals or tangents that the mesh lacks, or a mesh with examples of more than 128 MiB; [`Error::OutOfMemory`].
     pub fn add_target(&mut self, set: &Arc<ExampleSet>, def: &TargetDef) -> Result<Target, Error> {
         let mesh = set.lod(def.lod)?;
-        let (layout, kernel, _) = def.layout(&mesh.mesh, def.buffer.size)?;
+        let (layout, _) = def.layout(&mesh.mesh, def.buffer.size)?;
         self.free_meshes();
         let uploads = &mut self.uploads;
         uploads.try_reserve(1).map_err(|_| Error::OutOfMemory { what: "one more upload".into(), bytes: 0 })?;
-        let pending = uploads.len();
-        let mesh = self.arena.mesh((set, def.lod), &STORAGE, Ok, |storage_size, mesh| {
-            let mut words = reserve(mesh.words as usize, "a mesh and its examples")?;
-            words.resize(mesh.words as usize, 0);
-            mesh.write(&mut words)?;
-            uploads.push(Upload { storage: 0, storage_size: *storage_size, offset: 4 * u64::from(mesh.at), words });
+        let mesh = self.arena.mesh((set, def.lod), &STORAGE, Ok, |storage_size, mesh, lod| {
+            let (storage, storage_size, offset) = (mesh.chunk, *storage_size, mesh.offset());
+            uploads.push(Upload { storage, storage_size, offset, words: mesh.to_words(lod)? });
             Ok(())
         })?;
-        self.uploads[pending..].iter_mut().for_each(|upload| upload.storage = mesh.chunk);
-        let (device, set, tracker) = (self.id, Arc::downgrade(set), Tracker::new());
-        let state = TargetState { device, set, lod: def.lod, kernel, layout, first: def.offset, mesh, tracker };
-        Ok(Target { state, buffer: def.buffer.number })
+        Ok(Target::new(self.plan.id, (layout, def.offset), mesh, (def.buffer.number, ())))
     }
 
     /// Plans what brings the targets up to date: only the blocks that changed since each was last written. If nothing
@@ -157,7 +161,7 @@ impl Graph {
     /// rule; [`Error::Unsupported`] for more than 4 GiB of work. After an error targets hold what they held, and the next
     /// plan has the uploads.
     pub fn plan(&mut self, jobs: &mut [GraphJob<'_>]) -> Result<(PlanReport, &Passes), Error> {
-        Plan::check(jobs, self.id)?;
+        self.plan.check(jobs)?;
         if let Some(job) = jobs.iter().find(|job| job.instance.classic_state().is_some()) {
             return Err(job.instance.needs_marks("a target of a render graph"));
         }
@@ -167,36 +171,30 @@ impl Graph {
         work.clear();
         dispatches.clear();
         if report.blocks_written > 0 {
-            let offsets = self.plan.offsets()?;
-            work.try_reserve(offsets.words())
-                .map_err(|_| Error::OutOfMemory { what: "the work of a frame".into(), bytes: offsets.bytes() })?;
-            work.resize(offsets.words(), 0);
+            let (words, bytes) = (self.plan.words(), 4 * self.plan.words() as u64);
+            let failed = |_| Error::OutOfMemory { what: "the work of a frame".into(), bytes };
+            work.try_reserve(words).map_err(failed)?;
+            work.resize(words, 0);
             self.plan.write(work);
             for d in self.plan.dispatches() {
-                let (call, groups) = offsets.call(&d.blocks, d.variant.vertices(WORKGROUP), MOST_GROUPS);
                 let mut constants = [0; 8];
-                constants[..7].copy_from_slice(&bytemuck::cast::<Call, [u32; 7]>(call));
-                dispatches.push(Dispatch {
-                    kernel: d.variant.number() as u32,
-                    storage: d.chunk(),
-                    buffer: d.binding(),
-                    groups,
-                    constants,
-                });
+                constants[..7].copy_from_slice(&bytemuck::cast::<Call, [u32; 7]>(d.call));
+                let (kernel, storage, buffer, groups) = (d.variant.number() as u32, d.chunk(), d.binding(), d.groups);
+                dispatches.push(Dispatch { kernel, storage, buffer, groups, constants });
             }
         }
         *freed = std::mem::take(&mut self.freed);
         *uploads = std::mem::take(&mut self.uploads);
         let uploaded: usize = uploads.iter().map(|upload| upload.words.len()).sum();
         report.bytes_copied = 4 * (uploaded + work.len()) as u64;
-        report.vertices_written = self.plan.commit(jobs, |_| ());
+        report.vertices_written = self.plan.commit(jobs, 0);
         Ok((report, &self.passes))
     }
 
     /// Frees meshes that no target shows.
     fn free_meshes(&mut self) {
         let Graph { arena, uploads, freed, .. } = self;
-        arena.collect(0, |storage, _| {
+        arena.collect(0, |storage| {
             freed.push(storage);
             uploads.retain(|upload| upload.storage != storage);
         });

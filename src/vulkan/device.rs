@@ -1,39 +1,41 @@
 //! The device that hosts use: everything that is made on the VkDevice, and the frames in flight.
 
 use super::arena::MeshArena;
-use super::classic::ClassicBuffer;
 use super::frames::FrameSlot;
-use super::host_buffers::HostBuffers;
+use super::host_buffers::{BufferDef, BufferId, BufferWindow, HostBuffers};
+use super::memory::OwnBuffer;
 use super::pipelines::{DescriptorSet, VulkanPipelines};
-use super::recording::Recording;
+use super::record::Barriers;
+use super::target::{ClassicState, Target, TargetBinding, TargetDef};
 use super::vulkan_device::{DeviceDef, VulkanDevice};
 use crate::base::error::Error;
+use crate::example::set::ExampleSet;
+use crate::gpu::{Case, Plan};
+use ash::vk::{self, Handle};
 use std::fmt;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::Ordering;
 
 /// A Vulkan device of the host. Deformation is recorded for it.
 pub struct Device {
-    pub(super) gpu: VulkanDevice,
-    /// Distinguishes its targets from those of other devices.
-    pub(super) id: u64,
+    pub(super) gpu: Arc<VulkanDevice>,
     pub(super) pipelines: VulkanPipelines,
-    pub(super) workgroup: u32,
     pub(super) hosts: HostBuffers,
     pub(super) arena: MeshArena,
     pub(super) slots: Vec<FrameSlot>,
-    pub(super) states: Vec<Arc<ClassicBuffer>>,
-    /// Descriptor sets of removed buffers, each with the last frame that may use it.
-    pub(super) garbage: Vec<(u64, DescriptorSet)>,
+    pub(super) states: Vec<(Arc<ClassicState>, OwnBuffer, DescriptorSet)>,
+    /// Windows of removed buffers, each with the last frame that may use it.
+    garbage: Vec<(u64, BufferWindow)>,
     pub(super) recorded: u64,
     pub(super) completed: u64,
-    pub(super) recording: Recording,
+    pub(super) plan: Plan<TargetBinding>,
+    pub(super) barriers: Barriers,
 }
 
 impl fmt::Debug for Device {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Device")
-            .field("device", &self.gpu.device)
+            .field("device", &self.gpu.device.handle())
             .field("recorded", &self.recorded)
             .field("completed", &self.completed)
             .finish_non_exhaustive()
@@ -54,12 +56,11 @@ impl Device {
     pub unsafe fn new(def: &DeviceDef<'_>) -> Result<Self, Error> {
         // SAFETY: the caller's promise.
         let (gpu, cache) = unsafe { VulkanDevice::new(def)? };
-        static NEXT: AtomicU64 = AtomicU64::new(1);
+        let gpu = Arc::new(gpu);
         Ok(Device {
-            pipelines: gpu.pipelines(def.workgroup_size, cache)?,
+            pipelines: VulkanPipelines::new(&gpu, def.workgroup_size, cache)?,
+            plan: Plan::new(def.workgroup_size, gpu.limits.max_compute_work_group_count[0]),
             gpu,
-            id: NEXT.fetch_add(1, Ordering::Relaxed),
-            workgroup: def.workgroup_size,
             hosts: HostBuffers::default(),
             arena: MeshArena::new(),
             slots: Vec::new(),
@@ -67,7 +68,7 @@ impl Device {
             garbage: Vec::new(),
             recorded: 0,
             completed: 0,
-            recording: Recording::default(),
+            barriers: Barriers::default(),
         })
     }
 
@@ -76,32 +77,12 @@ impl Device {
     pub fn completed(&mut self, frame: u64) {
         // The host may also name frames that nothing was recorded for.
         self.completed = self.completed.max(frame.min(self.recorded));
-        self.drop_states();
-        let (gpu, done) = (&self.gpu, self.completed);
-        self.arena.completed(gpu, done, |chunk| {
-            for slot in &mut self.slots {
-                slot.forget(gpu, chunk);
-            }
-        });
-        self.garbage.retain(|(frame, set)| {
-            if *frame <= done {
-                // SAFETY: the frames that might have used it are done.
-                unsafe { gpu.destroy_set(set) };
-            }
-            *frame > done
-        });
-    }
-
-    /// Destroys the states of dropped targets, once their frames are done.
-    fn drop_states(&mut self) {
-        self.states.retain(|s| {
-            let kept = Arc::strong_count(s) > 1 || s.last_frame() > self.completed;
-            if !kept {
-                // SAFETY: the frames that used it are done.
-                unsafe { s.destroy(&self.gpu) };
-            }
-            kept
-        });
+        let done = self.completed;
+        // The states of dropped targets, and whatever else is no longer needed.
+        self.states.retain(|(s, ..)| Arc::strong_count(s) > 1 || s.last_frame.load(Ordering::Relaxed) > done);
+        self.garbage.retain(|(frame, _)| *frame > done);
+        let slots = &mut self.slots;
+        self.arena.completed(done, |chunk| slots.iter_mut().for_each(|slot| drop(slot.sets.remove(&chunk))));
     }
 
     /// Reports that the recordings for `frame` and later frames will not be submitted. Call [`super::Target::invalidate`] on their
@@ -112,7 +93,7 @@ impl Device {
 
     /// Sets the most vertices that a recording writes; see [`crate::deform_within`]. At first there is no limit (`u64::MAX`).
     pub fn set_vertex_budget(&mut self, vertices: u64) {
-        self.recording.plan.budget = vertices;
+        self.plan.budget = vertices;
     }
 
     /// The last frame that was recorded. Frames above [`Device::last_completed`] are in flight.
@@ -130,31 +111,85 @@ impl Device {
     /// # Errors
     /// [`Error::Vulkan`].
     pub fn pipeline_cache_data(&self) -> Result<Vec<u8>, Error> {
-        self.gpu.cache_data(&self.pipelines)
+        self.pipelines.cache_data()
     }
 
     /// Returns how many buffers, memory allocations and descriptor pools were made so far. The number does not grow in steady state.
     pub fn objects_made(&self) -> u64 {
         self.gpu.objects_made()
     }
+
+    /// Registers a buffer of the host. It may hold any number of targets; one dispatch writes all targets in one buffer.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for a null buffer, a size of 0, a usage without `STORAGE_BUFFER`, or an access without stages.
+    ///
+    /// # Safety
+    /// The buffer belongs to this device, is bound to memory, and has this size and usage. It lives until it is removed and all
+    /// frames that wrote it are done.
+    pub unsafe fn add_buffer(&mut self, def: &BufferDef) -> Result<BufferId, Error> {
+        if def.buffer.is_null() {
+            return Err(Error::invalid("the VkBuffer", "null", "a valid handle"));
+        }
+        if def.size < 4 {
+            return Err(Error::invalid("the buffer's size", def.size, "at least 4 bytes"));
+        }
+        if !def.usage.contains(vk::BufferUsageFlags::STORAGE_BUFFER) {
+            let value = format!("{:?}", def.usage);
+            return Err(Error::invalid("the buffer's usage", value, "with STORAGE_BUFFER among its flags"));
+        }
+        for (name, access) in [("the stages before", def.before), ("the stages after", def.after)] {
+            if access.stages.is_empty() {
+                let expected = "at least one stage (TOP_OF_PIPE or BOTTOM_OF_PIPE for none)";
+                return Err(Error::invalid(name, "none", expected));
+            }
+        }
+        Ok(self.hosts.add(def))
+    }
+
+    /// Removes a buffer. Its targets can no longer be recorded. The host may destroy it once the frames that wrote it are done.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for a stale id.
+    pub fn remove_buffer(&mut self, id: BufferId) -> Result<(), Error> {
+        let host = self.hosts.remove(id)?;
+        self.garbage.extend(host.windows.into_iter().map(|w| (host.used, w)));
+        Ok(())
+    }
+
+    /// The handle of a buffer.
+    #[cfg(feature = "capi")]
+    pub(crate) fn handle_of(&self, id: BufferId) -> Result<u64, Error> {
+        Ok(self.hosts.get(id)?.def.buffer.as_raw())
+    }
+
+    /// Adds a target: a place for the vertices of one of the set's meshes. The first target of a mesh copies the mesh and its
+    /// examples into a staging buffer; the next recording copies them to the device.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for a stale buffer, a format that the attribute cannot have, a stride that is too small, attributes
+    /// that overlap, or a bad scale; [`Error::Misaligned`] for offsets and strides that are not multiples of 4;
+    /// [`Error::BufferTooSmall`]; [`Error::IndexOutOfRange`] for a level of detail that the set lacks; [`Error::Unsupported`] for
+    /// normals or tangents that the mesh lacks, or more bytes than the device can bind;
+    /// [`Error::OutOfMemory`], [`Error::Vulkan`], [`Error::DeviceLost`].
+    pub fn add_target(&mut self, set: &Arc<ExampleSet>, def: &TargetDef) -> Result<Target, Error> {
+        let mesh = set.lod(def.lod)?;
+        let host = self.hosts.get_mut(def.buffer)?;
+        let (layout, written) = def.layout(&mesh.mesh, host.def.size)?;
+        let window = host.window(&self.pipelines, &self.gpu.binding_limits(), &written)?;
+        let (handle, first) = (host.def.buffer, def.offset.wrapping_sub(host.windows[window].range.start));
+        self.pipelines.add(layout.variant(Case::Nodes))?;
+        let mesh = self.arena.mesh(&self.gpu, set, def.lod)?;
+        let binding = TargetBinding { handle, buffer: def.buffer, window };
+        Ok(Target::new(self.plan.id, (layout, first), mesh, (binding, ())))
+    }
 }
 
 impl Drop for Device {
     fn drop(&mut self) {
+        // A frame in flight may use anything.
         if self.recorded > self.completed {
-            // A frame in flight may use anything.
-            return;
-        }
-        self.completed(u64::MAX);
-        // SAFETY: all frames are done.
-        unsafe {
-            self.arena.destroy(&self.gpu);
-            self.states.iter().for_each(|s| s.destroy(&self.gpu));
-            self.hosts.sets().for_each(|s| self.gpu.destroy_set(s));
-            for slot in &self.slots {
-                slot.destroy(&self.gpu);
-            }
-            self.gpu.destroy_pipelines(&self.pipelines);
+            self.gpu.leak();
         }
     }
 }

@@ -1,21 +1,48 @@
-//! The Vulkan functions, loaded through the host's own loader.
+//! The Vulkan functions, loaded through the host's own loader, and their errors.
 //!
 //! ash fills a function that a loader lacks with a stub that aborts the process. Here a table is only used if the loader has all
 //! of its functions, so no stub can be called. The tables hold core functions, which every device of Vulkan 1.1 has.
 
 use crate::base::error::Error;
 use ash::vk;
-pub(super) use ash::{DeviceFnV1_0, InstanceFnV1_0, InstanceFnV1_1};
+use ash::{DeviceFnV1_0, DeviceFnV1_1, DeviceFnV1_2, DeviceFnV1_3, InstanceFnV1_0, InstanceFnV1_1, InstanceFnV1_3};
 use std::ffi::{CStr, c_void};
 use std::ptr::null;
 
-/// Loads a table of ash's. `get` asks the loader for a function by name.
+/// The functions of an instance of Vulkan 1.0 or, with `of_1_1`, of 1.1. Others must not be called. `get` asks the loader for a
+/// function by name.
 ///
 /// # Errors
 /// [`Error::Unsupported`] naming the first function that the loader lacks.
-pub(super) fn load<T>(
-    table: impl FnOnce(&mut dyn FnMut(&CStr) -> *const c_void) -> T,
+pub(super) fn instance(
+    instance: vk::Instance,
     get: impl Fn(&CStr) -> vk::PFN_vkVoidFunction,
+    of_1_1: bool,
+) -> Result<ash::Instance, Error> {
+    let tables = load(get, |get| {
+        let first = InstanceFnV1_0::load(&mut *get);
+        (first, InstanceFnV1_1::load(|name| if of_1_1 { get(name) } else { null() }))
+    })?;
+    Ok(ash::Instance::from_parts_1_3(instance, tables.0, tables.1, InstanceFnV1_3::load(nothing)))
+}
+
+/// The functions of a device of Vulkan 1.0. Others must not be called.
+///
+/// # Errors
+/// As [`instance`].
+pub(super) fn device(device: vk::Device, get: impl Fn(&CStr) -> vk::PFN_vkVoidFunction) -> Result<ash::Device, Error> {
+    let table = load(get, |get| DeviceFnV1_0::load(get))?;
+    let (a, b, c) = (DeviceFnV1_1::load(nothing), DeviceFnV1_2::load(nothing), DeviceFnV1_3::load(nothing));
+    Ok(ash::Device::from_parts_1_3(device, table, a, b, c))
+}
+
+fn nothing(_: &CStr) -> *const c_void {
+    null()
+}
+
+fn load<T>(
+    get: impl Fn(&CStr) -> vk::PFN_vkVoidFunction,
+    table: impl FnOnce(&mut dyn FnMut(&CStr) -> *const c_void) -> T,
 ) -> Result<T, Error> {
     let mut missing = None;
     let table = table(&mut |name| match get(name) {
@@ -35,14 +62,21 @@ pub(super) fn load<T>(
     }
 }
 
-/// The result of a Vulkan call, as an error if it is one.
-pub(super) fn checked(call: &str, result: vk::Result) -> Result<(), Error> {
-    match result {
-        vk::Result::SUCCESS => Ok(()),
-        vk::Result::ERROR_DEVICE_LOST => Err(Error::DeviceLost { call: call.into() }),
+/// The error of a Vulkan call.
+pub(super) fn failed(call: &str) -> impl Fn(vk::Result) -> Error {
+    move |result| match result {
+        vk::Result::ERROR_DEVICE_LOST => Error::DeviceLost { call: call.into() },
         vk::Result::ERROR_OUT_OF_HOST_MEMORY | vk::Result::ERROR_OUT_OF_DEVICE_MEMORY => {
-            Err(Error::OutOfMemory { what: call.into(), bytes: 0 })
+            Error::OutOfMemory { what: call.into(), bytes: 0 }
         }
-        other => Err(Error::Vulkan { call: call.into(), result: format!("{other:?}") }),
+        other => Error::Vulkan { call: call.into(), result: format!("{other:?}") },
+    }
+}
+
+/// The error of a Vulkan call that makes `what` of so many bytes.
+pub(super) fn not_made(what: &str, call: &str, bytes: u64) -> impl Fn(vk::Result) -> Error {
+    move |result| match failed(call)(result) {
+        Error::OutOfMemory { .. } => Error::OutOfMemory { what: format!("{what} ({call})"), bytes },
+        other => other,
     }
 }

@@ -1,9 +1,8 @@
 //! The buffers that the host registered, and the windows of them that descriptor sets cover.
 
 use super::pipelines::{DescriptorSet, VulkanPipelines};
-use super::vulkan_device::VulkanDevice;
 use crate::base::error::Error;
-use crate::gpu::binding_range;
+use crate::gpu::{BindingLimits, binding_range};
 use ash::vk;
 use std::ops::Range;
 
@@ -112,10 +111,6 @@ impl HostBuffers {
         let entry = self.entries.get_mut(id.index as usize).filter(|(generation, _)| *generation == id.generation);
         entry.and_then(|(_, host)| host.as_mut()).ok_or_else(|| stale(id))
     }
-
-    pub(super) fn sets(&self) -> impl Iterator<Item = &DescriptorSet> {
-        self.entries.iter().filter_map(|(_, host)| host.as_ref()).flat_map(|h| h.windows.iter().map(|w| &w.set))
-    }
 }
 
 fn stale(id: BufferId) -> Error {
@@ -127,16 +122,16 @@ impl HostBuffer {
     /// Returns the index of a window that holds these bytes.
     pub(super) fn window(
         &mut self,
-        gpu: &VulkanDevice,
         pipelines: &VulkanPipelines,
+        limits: &BindingLimits,
         bytes: &Range<u64>,
     ) -> Result<usize, Error> {
         let holds = |r: &Range<u64>| r.start <= bytes.start && bytes.end <= r.end;
         if let Some(index) = self.windows.iter().position(|w| holds(&w.range)) {
             return Ok(index);
         }
-        let range = binding_range(self.def.size, bytes, &gpu.binding_limits())?;
-        let set = gpu.set(pipelines, &[(self.def.buffer, range.start, range.end - range.start)])?;
+        let range = binding_range(self.def.size, bytes, limits)?;
+        let set = pipelines.set(&[(self.def.buffer, range.start, range.end - range.start)])?;
         self.windows.push(BufferWindow { range, set });
         Ok(self.windows.len() - 1)
     }

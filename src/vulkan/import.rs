@@ -1,17 +1,69 @@
 //! Imports memory and semaphores of the host's device into Crumple's own device.
 
-use super::functions::checked;
+use super::functions::{failed, not_made};
 use super::host_buffers::{Access, BufferDef, BufferId};
 use super::own::OwnDevice;
-use super::shared::{ImportDef, ImportedBuffer, OwnedHandle, SemaphoreId, Shared};
+use super::own_handles::OwnHandles;
+use super::shared::{Shared, duplicate};
 use crate::base::error::Error;
+use crate::base::strided::Strided;
 use ash::vk;
-use std::ptr::null;
+use std::mem::ManuallyDrop;
+#[cfg(unix)]
+use std::os::fd::AsRawFd;
+use std::sync::Arc;
 
 #[cfg(not(windows))]
 const MEMORY: vk::ExternalMemoryHandleTypeFlags = vk::ExternalMemoryHandleTypeFlags::OPAQUE_FD;
 #[cfg(windows)]
 const MEMORY: vk::ExternalMemoryHandleTypeFlags = vk::ExternalMemoryHandleTypeFlags::OPAQUE_WIN32;
+#[cfg(not(windows))]
+const SEMAPHORE: vk::ExternalSemaphoreHandleTypeFlags = vk::ExternalSemaphoreHandleTypeFlags::OPAQUE_FD;
+#[cfg(windows)]
+const SEMAPHORE: vk::ExternalSemaphoreHandleTypeFlags = vk::ExternalSemaphoreHandleTypeFlags::OPAQUE_WIN32;
+
+/// A buffer of the host's device in exported memory.
+#[derive(Debug, Clone, Copy)]
+pub struct ImportDef {
+    /// The memory.
+    pub memory: Shared,
+    /// `allocationSize` of the host's allocation, bytes.
+    pub memory_size: u64,
+    /// `memoryTypeIndex` of the host's allocation.
+    pub memory_type: u32,
+    /// Whether the host allocated it for this buffer alone (`VkMemoryDedicatedAllocateInfo`).
+    pub dedicated: bool,
+    /// Offset in the memory that the host bound the buffer to, bytes.
+    pub offset: u64,
+    /// The buffer's size in bytes.
+    pub size: u64,
+    /// The usage that the host made the buffer with. It must have the flag `STORAGE_BUFFER`.
+    pub usage: vk::BufferUsageFlags,
+}
+
+/// The id of an imported semaphore.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SemaphoreId(
+    /// The index plus one; in the upper half the device's id.
+    pub(crate) u64,
+);
+
+/// A buffer in imported memory. It is dropped once nothing uses it.
+pub(super) struct ImportedBuffer {
+    own: Arc<OwnHandles>,
+    buffer: vk::Buffer,
+    memory: vk::DeviceMemory,
+}
+
+impl Drop for ImportedBuffer {
+    fn drop(&mut self) {
+        // SAFETY: nothing uses it any more; null handles are ignored.
+        unsafe {
+            self.own.device.destroy_buffer(self.buffer, None);
+            self.own.device.free_memory(self.memory, None);
+        }
+    }
+}
 
 impl OwnDevice {
     /// Makes a buffer in memory that the host's device exported, on the same physical device and driver. The host makes its own
@@ -35,30 +87,19 @@ impl OwnDevice {
             return Err(Error::BufferTooSmall { name, size: def.memory_size, needed: end });
         }
         self.importable(def.usage)?;
-        let mut imported = ImportedBuffer { buffer: vk::Buffer::null(), memory: vk::DeviceMemory::null() };
         // SAFETY: the caller's.
-        let made = unsafe { self.import(def, &mut imported) }.and_then(|()| {
-            let anything = Access {
-                stages: vk::PipelineStageFlags::ALL_COMMANDS,
-                access: vk::AccessFlags::MEMORY_READ | vk::AccessFlags::MEMORY_WRITE,
-            };
-            let (size, usage, queue_family) = (def.size, def.usage, vk::QUEUE_FAMILY_EXTERNAL);
-            let buffer =
-                BufferDef { buffer: imported.buffer, size, usage, queue_family, before: anything, after: anything };
-            // SAFETY: a buffer made just now, destroyed after the device or after it was removed.
-            unsafe { self.device().add_buffer(&buffer) }
-        });
-        match made {
-            Ok(id) => {
-                self.buffers.push((id, imported));
-                Ok(id)
-            }
-            Err(error) => {
-                // SAFETY: nothing uses it.
-                unsafe { imported.destroy(&self.own) };
-                Err(error)
-            }
-        }
+        let imported = unsafe { self.import(def)? };
+        let anything = Access {
+            stages: vk::PipelineStageFlags::ALL_COMMANDS,
+            access: vk::AccessFlags::MEMORY_READ | vk::AccessFlags::MEMORY_WRITE,
+        };
+        let (size, usage, queue_family) = (def.size, def.usage, vk::QUEUE_FAMILY_EXTERNAL);
+        let buffer =
+            BufferDef { buffer: imported.buffer, size, usage, queue_family, before: anything, after: anything };
+        // SAFETY: a buffer made just now, destroyed after the device or after it was removed.
+        let id = unsafe { self.device().add_buffer(&buffer)? };
+        self.buffers.push((id, imported));
+        Ok(id)
     }
 
     /// Removes a buffer, and waits until the device is done with it.
@@ -68,23 +109,17 @@ impl OwnDevice {
     pub fn remove_buffer(&mut self, id: BufferId) -> Result<(), Error> {
         self.device().remove_buffer(id)?;
         self.wait(self.last_submitted(), u64::MAX)?;
-        for (_, imported) in self.buffers.extract_if(.., |(i, _)| *i == id) {
-            // SAFETY: all that was submitted is done.
-            unsafe { imported.destroy(&self.own) };
-        }
+        self.buffers.retain(|(i, _)| *i != id);
         Ok(())
     }
 
     fn importable(&self, usage: vk::BufferUsageFlags) -> Result<(), Error> {
         let info = vk::PhysicalDeviceExternalBufferInfo::default().usage(usage).handle_type(MEMORY);
         let mut properties = vk::ExternalBufferProperties::default();
+        let own = &self.own.instance;
         // SAFETY: a physical device of Vulkan 1.1.
         unsafe {
-            (self.own.instance_functions.1.get_physical_device_external_buffer_properties)(
-                self.own.physical_device,
-                &info,
-                &mut properties,
-            );
+            own.instance.get_physical_device_external_buffer_properties(own.physical_device, &info, &mut properties);
         }
         let features = properties.external_memory_properties.external_memory_features;
         if features.contains(vk::ExternalMemoryFeatureFlags::IMPORTABLE) {
@@ -95,18 +130,18 @@ impl OwnDevice {
 
     /// # Safety
     /// As [`OwnDevice::import_buffer`].
-    unsafe fn import(&self, def: &ImportDef, to: &mut ImportedBuffer) -> Result<(), Error> {
-        let (own, f) = (&self.own, &self.own.functions);
+    unsafe fn import(&self, def: &ImportDef) -> Result<ImportedBuffer, Error> {
+        let device = &self.own.device;
         let mut external = vk::ExternalMemoryBufferCreateInfo::default().handle_types(MEMORY);
         let info = vk::BufferCreateInfo::default().size(def.size).usage(def.usage).push_next(&mut external);
         if def.size == 0 {
             return Err(Error::invalid("the buffer's size", 0, "at least 4 bytes"));
         }
         // SAFETY: valid arguments, here and below.
-        checked("vkCreateBuffer", unsafe { (f.create_buffer)(own.device, &info, null(), &mut to.buffer) })?;
-        let mut needs = vk::MemoryRequirements::default();
+        let buffer = unsafe { device.create_buffer(&info, None) }.map_err(failed("vkCreateBuffer"))?;
+        let mut imported = ImportedBuffer { own: self.own.clone(), buffer, memory: vk::DeviceMemory::null() };
         // SAFETY: the buffer was made just now.
-        unsafe { (f.get_buffer_memory_requirements)(own.device, to.buffer, &mut needs) };
+        let needs = unsafe { device.get_buffer_memory_requirements(buffer) };
         if def.memory_type >= 32 || needs.memory_type_bits >> def.memory_type & 1 == 0 {
             let good: Vec<String> =
                 (0..32).filter(|t| needs.memory_type_bits >> t & 1 == 1).map(|t| t.to_string()).collect();
@@ -117,39 +152,34 @@ impl OwnDevice {
             let (name, needed) = ("the imported memory".to_owned(), def.offset.saturating_add(needs.size));
             return Err(Error::BufferTooSmall { name, size: def.memory_size, needed });
         }
-        if !def.offset.is_multiple_of(needs.alignment) {
-            let name = "the buffer's offset in its memory".to_owned();
-            return Err(Error::Misaligned { name, value: def.offset, align: needs.alignment });
-        }
-        let mut dedicated = vk::MemoryDedicatedAllocateInfo::default().buffer(to.buffer);
+        Strided::check_aligned("the buffer's offset in its memory", def.offset, needs.alignment)?;
+        let mut dedicated = vk::MemoryDedicatedAllocateInfo::default().buffer(buffer);
         let mut info =
             vk::MemoryAllocateInfo::default().allocation_size(def.memory_size).memory_type_index(def.memory_type);
         if def.dedicated {
             info = info.push_next(&mut dedicated);
         }
-        let handle = OwnedHandle::duplicate(def.memory, Some(def.memory_size))?;
+        let handle = duplicate(def.memory, Some(def.memory_size))?;
         #[cfg(not(windows))]
-        let mut import = vk::ImportMemoryFdInfoKHR::default().handle_type(MEMORY).fd(handle.raw());
+        let mut import = vk::ImportMemoryFdInfoKHR::default().handle_type(MEMORY).fd(handle.as_raw_fd());
         #[cfg(windows)]
-        let mut import = vk::ImportMemoryWin32HandleInfoKHR::default().handle_type(MEMORY).handle(handle.raw());
+        let mut import = vk::ImportMemoryWin32HandleInfoKHR::default().handle_type(MEMORY).handle(handle);
         info = info.push_next(&mut import);
         // SAFETY: the caller's handle.
-        match unsafe { (f.allocate_memory)(own.device, &info, null(), &mut to.memory) } {
+        let memory = unsafe { device.allocate_memory(&info, None) };
+        imported.memory = memory.map_err(|result| match result {
             vk::Result::ERROR_INVALID_EXTERNAL_HANDLE => {
                 let expected = "memory that a device of the same driver exported, as it was allocated";
-                return Err(Error::invalid("the memory's handle", format!("{:?}", def.memory), expected));
+                Error::invalid("the memory's handle", format!("{:?}", def.memory), expected)
             }
-            vk::Result::ERROR_OUT_OF_DEVICE_MEMORY | vk::Result::ERROR_OUT_OF_HOST_MEMORY => {
-                let what = "an imported buffer (vkAllocateMemory)".into();
-                return Err(Error::OutOfMemory { what, bytes: def.memory_size });
-            }
-            other => checked("vkAllocateMemory", other)?,
-        }
+            other => not_made("an imported buffer", "vkAllocateMemory", def.memory_size)(other),
+        })?;
         // Vulkan owns it now.
-        handle.forget();
+        let _ = ManuallyDrop::new(handle);
         // SAFETY: memory of a type that suits the buffer, bound once.
-        let bound = unsafe { (f.bind_buffer_memory)(own.device, to.buffer, to.memory, def.offset) };
-        checked("vkBindBufferMemory", bound)
+        let bound = unsafe { device.bind_buffer_memory(buffer, imported.memory, def.offset) };
+        bound.map_err(failed("vkBindBufferMemory"))?;
+        Ok(imported)
     }
 
     /// Imports a binary semaphore that the host's device exported. It lives until the device is dropped.
@@ -161,49 +191,40 @@ impl OwnDevice {
     /// # Safety
     /// The handle is a binary semaphore's, of the same driver.
     pub unsafe fn import_semaphore(&mut self, shared: Shared) -> Result<SemaphoreId, Error> {
-        let own = &self.own;
-        let Some(import) = own.import_semaphore else {
+        let device = &self.own.device;
+        let Some(semaphores) = &self.own.semaphores else {
             let what = "a Vulkan device without external semaphores: wait for a fence instead";
             return Err(Error::Unsupported { what: what.into() });
         };
-        let handle = OwnedHandle::duplicate(shared, None)?;
-        let mut semaphore = vk::Semaphore::null();
-        let info = vk::SemaphoreCreateInfo::default();
+        let handle = duplicate(shared, None)?;
         // SAFETY: valid arguments.
-        let made = unsafe { (own.functions.create_semaphore)(own.device, &info, null(), &mut semaphore) };
-        checked("vkCreateSemaphore", made)?;
+        let semaphore = unsafe { device.create_semaphore(&vk::SemaphoreCreateInfo::default(), None) };
+        let semaphore = semaphore.map_err(failed("vkCreateSemaphore"))?;
         #[cfg(not(windows))]
-        // SAFETY: by its name the function is of this type, and the handle is the caller's.
-        let imported = unsafe {
-            let info = vk::ImportSemaphoreFdInfoKHR::default()
-                .semaphore(semaphore)
-                .handle_type(vk::ExternalSemaphoreHandleTypeFlags::OPAQUE_FD)
-                .fd(handle.raw());
-            let import = std::mem::transmute::<unsafe extern "system" fn(), vk::PFN_vkImportSemaphoreFdKHR>(import);
-            import(own.device, &info)
+        let imported = {
+            let info = vk::ImportSemaphoreFdInfoKHR::default().semaphore(semaphore).handle_type(SEMAPHORE);
+            // SAFETY: the caller's handle.
+            unsafe { semaphores.import_semaphore_fd(&info.fd(handle.as_raw_fd())) }
         };
         #[cfg(windows)]
-        // SAFETY: as above.
-        let imported = unsafe {
-            let info = vk::ImportSemaphoreWin32HandleInfoKHR::default()
-                .semaphore(semaphore)
-                .handle_type(vk::ExternalSemaphoreHandleTypeFlags::OPAQUE_WIN32)
-                .handle(handle.raw());
-            let import =
-                std::mem::transmute::<unsafe extern "system" fn(), vk::PFN_vkImportSemaphoreWin32HandleKHR>(import);
-            import(own.device, &info)
+        let imported = {
+            let info = vk::ImportSemaphoreWin32HandleInfoKHR::default().semaphore(semaphore).handle_type(SEMAPHORE);
+            // SAFETY: the caller's handle.
+            unsafe { semaphores.import_semaphore_win32_handle(&info.handle(handle)) }
         };
-        if imported != vk::Result::SUCCESS {
+        imported.map_err(|result| {
             // SAFETY: nothing uses it.
-            unsafe { (own.functions.destroy_semaphore)(own.device, semaphore, null()) };
-        }
-        if imported == vk::Result::ERROR_INVALID_EXTERNAL_HANDLE {
-            let expected = "a semaphore that a device of the same driver exported";
-            return Err(Error::invalid("the semaphore's handle", format!("{shared:?}"), expected));
-        }
-        checked("vkImportSemaphore", imported)?;
-        handle.forget();
+            unsafe { device.destroy_semaphore(semaphore, None) };
+            match result {
+                vk::Result::ERROR_INVALID_EXTERNAL_HANDLE => {
+                    let expected = "a semaphore that a device of the same driver exported";
+                    Error::invalid("the semaphore's handle", format!("{shared:?}"), expected)
+                }
+                other => failed("vkImportSemaphore")(other),
+            }
+        })?;
+        let _ = ManuallyDrop::new(handle);
         self.semaphores.push(semaphore);
-        Ok(SemaphoreId(self.device().id << 32 | self.semaphores.len() as u64))
+        Ok(SemaphoreId(self.id() << 32 | self.semaphores.len() as u64))
     }
 }

@@ -28,7 +28,6 @@
 //! [`Device::completed`] was called for all frames. If a frame is in flight, everything that it may use is leaked.
 
 mod arena;
-mod classic;
 mod device;
 mod frames;
 mod functions;
@@ -39,8 +38,6 @@ mod own;
 mod own_handles;
 mod pipelines;
 mod record;
-mod recording;
-mod register;
 mod shared;
 mod target;
 mod vulkan_device;
@@ -48,9 +45,10 @@ mod vulkan_device;
 pub use ash::vk;
 pub use device::Device;
 pub use host_buffers::{Access, BufferDef, BufferId};
+pub use import::{ImportDef, SemaphoreId};
 pub use own::{OwnDevice, OwnDeviceDef};
 pub use record::{RecordJob, RecordReport};
-pub use shared::{ImportDef, SemaphoreId, Shared};
+pub use shared::Shared;
 pub use target::{Stream, Target, TargetDef};
 pub use vulkan_device::DeviceDef;
 

@@ -2,18 +2,16 @@
 //! exported, writes it, and synchronizes through semaphores or a fence.
 
 use super::device::Device;
-use super::functions::{InstanceFnV1_0, InstanceFnV1_1, checked, load};
+use super::functions::failed;
 use super::host_buffers::BufferId;
-use super::own_handles::OwnHandles;
+use super::import::{ImportedBuffer, SemaphoreId};
+use super::own_handles::{OwnHandles, OwnInstance};
 use super::record::{RecordJob, RecordReport};
-use super::shared::{ImportedBuffer, SemaphoreId};
 use super::vulkan_device::DeviceDef;
 use crate::base::error::Error;
 use ash::vk;
-use std::ffi::CStr;
 use std::fmt;
-use std::mem::ManuallyDrop;
-use std::ptr::null;
+use std::sync::Arc;
 
 /// The definition of a device of Crumple's own.
 #[derive(Debug, Clone)]
@@ -49,8 +47,8 @@ struct Submission {
 /// Import the host's buffers and semaphores with [`OwnDevice::import_buffer`] and [`OwnDevice::import_semaphore`]. Add targets to
 /// [`OwnDevice::device`]. Call [`OwnDevice::submit`] instead of [`Device::record`]. Dropping it waits for the device.
 pub struct OwnDevice {
-    device: ManuallyDrop<Device>,
-    pub(super) own: OwnHandles,
+    device: Device,
+    pub(super) own: Arc<OwnHandles>,
     submissions: Vec<Submission>,
     pub(super) buffers: Vec<(BufferId, ImportedBuffer)>,
     pub(super) semaphores: Vec<vk::Semaphore>,
@@ -59,14 +57,9 @@ pub struct OwnDevice {
 
 impl fmt::Debug for OwnDevice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("OwnDevice").field("device", &*self.device).field("frame", &self.frame).finish_non_exhaustive()
+        f.debug_struct("OwnDevice").field("device", &self.device).field("frame", &self.frame).finish_non_exhaustive()
     }
 }
-
-// SAFETY: Vulkan's handles belong to no thread, and everything that uses them takes `&mut self`.
-unsafe impl Send for OwnDevice {}
-// SAFETY: the same.
-unsafe impl Sync for OwnDevice {}
 
 impl OwnDevice {
     /// Makes an instance and a device. It takes from milliseconds to tenths of a second, depending on the driver.
@@ -79,52 +72,21 @@ impl OwnDevice {
     /// # Safety
     /// The function is a loader's `vkGetInstanceProcAddr`, and the loader stays loaded until this is dropped.
     pub unsafe fn new(def: &OwnDeviceDef<'_>) -> Result<Self, Error> {
-        let get = def.get_instance_proc_addr;
         // SAFETY: the caller's loader.
-        let ask = |instance: vk::Instance, name: &CStr| unsafe { get(instance, name.as_ptr()) };
-        let Some(create) = ask(vk::Instance::null(), c"vkCreateInstance") else {
-            return Err(Error::Unsupported { what: "a Vulkan loader without vkCreateInstance".into() });
-        };
-        // SAFETY: the function has this name.
-        let create = unsafe { std::mem::transmute::<unsafe extern "system" fn(), vk::PFN_vkCreateInstance>(create) };
-        let app = vk::ApplicationInfo::default().application_name(c"crumple").api_version(vk::API_VERSION_1_1);
-        let info = vk::InstanceCreateInfo::default().application_info(&app);
-        let mut instance = vk::Instance::null();
-        // SAFETY: valid arguments that live through the call. So everywhere in this file.
-        match unsafe { create(&info, null(), &mut instance) } {
-            vk::Result::ERROR_INCOMPATIBLE_DRIVER => {
-                return Err(Error::Unsupported { what: "a machine without a Vulkan driver".into() });
-            }
-            other => checked("vkCreateInstance", other)?,
-        }
-        let of_instance = |name: &CStr| ask(instance, name);
-        let functions = load(|get| (InstanceFnV1_0::load(&mut *get), InstanceFnV1_1::load(get)), of_instance);
-        let (functions, functions_1_1) = functions.inspect_err(|_| {
-            // SAFETY: nothing else was made with the instance; the function is the one of this name.
-            if let Some(destroy) = ask(instance, c"vkDestroyInstance") {
-                // SAFETY: as above.
-                unsafe {
-                    std::mem::transmute::<unsafe extern "system" fn(), vk::PFN_vkDestroyInstance>(destroy)(
-                        instance,
-                        null(),
-                    )
-                }
-            }
-        })?;
-        let own = OwnHandles::new(instance, (functions, functions_1_1), def.device_uuid)?;
+        let own = OwnHandles::new(unsafe { OwnInstance::new(def.get_instance_proc_addr, def.device_uuid)? })?;
         let device = DeviceDef {
-            get_instance_proc_addr: get,
-            instance: own.instance,
-            physical_device: own.physical_device,
-            device: own.device,
-            queue_family: own.family,
+            get_instance_proc_addr: def.get_instance_proc_addr,
+            instance: own.instance.instance.handle(),
+            physical_device: own.instance.physical_device,
+            device: own.device.handle(),
+            queue_family: own.instance.family,
             pipeline_cache: def.pipeline_cache,
             workgroup_size: def.workgroup_size,
         };
         // SAFETY: the handles were made just now, and are destroyed after the device is dropped.
-        let device = ManuallyDrop::new(unsafe { Device::new(&device) }?);
+        let device = unsafe { Device::new(&device) }?;
         let (submissions, buffers, semaphores) = (Vec::new(), Vec::new(), Vec::new());
-        Ok(OwnDevice { device, own, submissions, buffers, semaphores, frame: 0 })
+        Ok(OwnDevice { device, own: Arc::new(own), submissions, buffers, semaphores, frame: 0 })
     }
 
     /// The device to add targets to, and to ask about frames and pipelines. Do not call [`Device::record`] or
@@ -134,7 +96,7 @@ impl OwnDevice {
     }
 
     pub(super) fn id(&self) -> u64 {
-        self.device.id
+        self.device.plan.id
     }
 
     /// Brings the targets up to date: records the blocks that changed since each was last written, and submits them. The submission
@@ -154,18 +116,18 @@ impl OwnDevice {
         self.poll()?;
         let slot = self.submission()?;
         let (commands, fence) = (self.submissions[slot].commands, self.submissions[slot].fence);
-        let f = &self.own.functions;
+        let device = &self.own.device;
         let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
         // SAFETY: the fence of the command buffer's last use has signalled.
         unsafe {
-            checked("vkResetFences", (f.reset_fences)(self.own.device, 1, &fence))?;
-            checked("vkBeginCommandBuffer", (f.begin_command_buffer)(commands, &begin))?;
+            device.reset_fences(&[fence]).map_err(failed("vkResetFences"))?;
+            device.begin_command_buffer(commands, &begin).map_err(failed("vkBeginCommandBuffer"))?;
         }
         let frame = self.frame + 1;
         // SAFETY: the command buffer is recording.
         let recorded = unsafe { self.device.record(commands, frame, jobs) };
         // SAFETY: it was begun.
-        let ended = checked("vkEndCommandBuffer", unsafe { (f.end_command_buffer)(commands) });
+        let ended = unsafe { device.end_command_buffer(commands) }.map_err(failed("vkEndCommandBuffer"));
         let report = recorded?;
         let stages = vec![vk::PipelineStageFlags::ALL_COMMANDS; wait.len()];
         let all = [commands];
@@ -176,7 +138,7 @@ impl OwnDevice {
             .signal_semaphores(&signal);
         let submitted = ended.and_then(|()| {
             // SAFETY: the queue is used here alone.
-            checked("vkQueueSubmit", unsafe { (f.queue_submit)(self.own.queue, 1, &submit, fence) })
+            unsafe { device.queue_submit(self.own.queue, &[submit], fence) }.map_err(failed("vkQueueSubmit"))
         });
         if let Err(error) = submitted {
             // The recording will not run.
@@ -204,15 +166,13 @@ impl OwnDevice {
         if frame > self.frame {
             return Err(Error::invalid("frame", frame, &format!("at most {}, the last submitted", self.frame)));
         }
-        let f = &self.own.functions;
         let pending = self.submissions.iter().filter(|s| s.pending && s.frame <= frame).map(|s| s.fence);
         let fences: Vec<vk::Fence> = pending.collect();
         if !fences.is_empty() {
-            let count = fences.len() as u32;
             // SAFETY: fences of this device.
-            match unsafe { (f.wait_for_fences)(self.own.device, count, fences.as_ptr(), vk::TRUE, nanoseconds) } {
-                vk::Result::TIMEOUT => return Ok(false),
-                other => checked("vkWaitForFences", other)?,
+            match unsafe { self.own.device.wait_for_fences(&fences, true, nanoseconds) } {
+                Err(vk::Result::TIMEOUT) => return Ok(false),
+                waited => waited.map_err(failed("vkWaitForFences"))?,
             }
         }
         self.poll()?;
@@ -221,16 +181,10 @@ impl OwnDevice {
 
     /// Asks which submissions are done.
     fn poll(&mut self) -> Result<(), Error> {
-        let f = &self.own.functions;
         for s in self.submissions.iter_mut().filter(|s| s.pending) {
             // SAFETY: a fence of this device.
-            match unsafe { (f.get_fence_status)(self.own.device, s.fence) } {
-                vk::Result::NOT_READY => {}
-                other => {
-                    checked("vkGetFenceStatus", other)?;
-                    s.pending = false;
-                }
-            }
+            let done = unsafe { self.own.device.get_fence_status(s.fence) };
+            s.pending = !done.map_err(failed("vkGetFenceStatus"))?;
         }
         // Fences of one queue signal in order.
         let oldest = self.submissions.iter().filter(|s| s.pending).map(|s| s.frame).min();
@@ -253,14 +207,14 @@ impl OwnDevice {
         if let Some(free) = self.submissions.iter().position(|s| !s.pending) {
             return Ok(free);
         }
-        let (f, device) = (&self.own.functions, self.own.device);
-        let (mut commands, mut fence) = (vk::CommandBuffer::null(), vk::Fence::null());
+        let device = &self.own.device;
         let info = vk::CommandBufferAllocateInfo::default().command_pool(self.own.pool).command_buffer_count(1);
         // SAFETY: a pool of this device. Its command buffers are freed with it.
-        checked("vkAllocateCommandBuffers", unsafe { (f.allocate_command_buffers)(device, &info, &mut commands) })?;
-        let info = vk::FenceCreateInfo::default();
+        let commands =
+            unsafe { device.allocate_command_buffers(&info) }.map_err(failed("vkAllocateCommandBuffers"))?[0];
         // SAFETY: as above.
-        checked("vkCreateFence", unsafe { (f.create_fence)(device, &info, null(), &mut fence) })?;
+        let fence =
+            unsafe { device.create_fence(&vk::FenceCreateInfo::default(), None) }.map_err(failed("vkCreateFence"))?;
         self.submissions.push(Submission { frame: 0, commands, fence, pending: false });
         Ok(self.submissions.len() - 1)
     }
@@ -268,21 +222,14 @@ impl OwnDevice {
 
 impl Drop for OwnDevice {
     fn drop(&mut self) {
-        let f = &self.own.functions;
+        let device = &self.own.device;
         // SAFETY: everything was made with this device. The device is idle or lost, so nothing runs.
         unsafe {
-            let _ = (f.device_wait_idle)(self.own.device);
-            self.device.completed(u64::MAX);
-            ManuallyDrop::drop(&mut self.device);
-            for (_, buffer) in &self.buffers {
-                buffer.destroy(&self.own);
-            }
-            for s in &self.semaphores {
-                (f.destroy_semaphore)(self.own.device, *s, null());
-            }
-            for s in &self.submissions {
-                (f.destroy_fence)(self.own.device, s.fence, null());
-            }
+            let _ = device.device_wait_idle();
+            self.semaphores.iter().for_each(|s| device.destroy_semaphore(*s, None));
+            self.submissions.iter().for_each(|s| device.destroy_fence(s.fence, None));
         }
+        // What is dropped after this is not leaked.
+        self.device.completed(u64::MAX);
     }
 }

@@ -1,15 +1,36 @@
 //! Records a frame: copies, barriers and dispatches for what changed.
 
-use super::classic::ClassicBuffer;
 use super::device::Device;
-use super::frames::{FrameSlot, free_slot};
-use super::recording::{COMPUTE, Recording, SHADER_WRITE, acquire_and_release, barrier, cmd_barrier};
-use super::target::{Target, TargetBinding};
+use super::frames::FrameSlot;
+use super::host_buffers::BufferId;
+use super::memory::{BufferUse, OwnBuffer};
+use super::target::{ClassicState, Target};
+use super::vulkan_device::VulkanDevice;
 use crate::base::error::Error;
-use crate::gpu::{Call, Case, FrameReport, Job, Plan, WorkOffsets, missing_state};
+use crate::gpu::{Case, FrameReport, Job, Plan};
 use ash::vk::{self, Handle};
-use std::ptr::null;
+use bytemuck::bytes_of;
+use std::ops::Range;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// The access of a kernel to a buffer that it writes.
+const SHADER_WRITE: vk::AccessFlags = vk::AccessFlags::SHADER_WRITE;
+/// The stage of the kernels.
+const COMPUTE: vk::PipelineStageFlags = vk::PipelineStageFlags::COMPUTE_SHADER;
+
+/// The barriers of a recording. The lists are reused.
+#[derive(Default)]
+pub(super) struct Barriers {
+    /// Buffers that another queue family owns.
+    foreign: Vec<BufferId>,
+    /// Before the dispatches, and the stages that they wait for.
+    before: Vec<vk::BufferMemoryBarrier<'static>>,
+    from: vk::PipelineStageFlags,
+    /// After the dispatches, and the stages that wait for them.
+    after: Vec<vk::BufferMemoryBarrier<'static>>,
+    to: vk::PipelineStageFlags,
+}
 
 /// A target to bring up to date.
 /// <!--
@@ -55,186 +76,215 @@ impl Device {
             let expected = format!("above {}, the last completed, and no less than {}", self.completed, self.recorded);
             return Err(Error::invalid("frame", frame, &expected));
         }
-        let mut recording = std::mem::take(&mut self.recording);
-        let recorded = self.record_jobs(&mut recording, (commands, frame), jobs);
-        self.recording = recording;
-        recorded
-    }
-
-    fn record_jobs(
-        &mut self,
-        r: &mut Recording,
-        (commands, frame): (vk::CommandBuffer, u64),
-        jobs: &mut [RecordJob<'_>],
-    ) -> Result<RecordReport, Error> {
-        Plan::check(jobs, self.id)?;
-        r.foreign.clear();
-        for (j, job) in jobs.iter_mut().enumerate() {
-            let host = self.hosts.get(job.target.buffer).map_err(|e| of_job(e, j))?;
-            if self.gpu.foreign(host.def.queue_family) {
-                r.foreign.push(job.target.buffer);
-            }
-            self.add_state(job)?;
-        }
-        r.foreign.sort_unstable();
-        r.foreign.dedup();
-        let mut report = r.plan.fill(jobs)?;
+        self.plan.check(jobs)?;
+        self.find_foreign(jobs)?;
+        self.add_states(jobs)?;
+        let mut report = self.plan.fill(jobs)?;
         if report.blocks_written > 0 {
-            let offsets = r.plan.offsets()?;
-            let slot = self.fill(&r.plan, &offsets)?;
-            report.bytes_copied = self.commands(r, (commands, frame), (slot, &offsets), jobs)?;
-        } else if !r.foreign.is_empty() {
-            self.pass_on(r, (commands, frame))?;
+            let slot = self.fill_slot()?;
+            report.bytes_copied = self.commands((commands, frame), Some(slot), jobs)?;
+        } else if !self.barriers.foreign.is_empty() {
+            self.commands((commands, frame), None, jobs)?;
         }
-        report.vertices_written = r.plan.commit(jobs, |target| {
-            target.state.mesh.used_in(frame);
-            target.written_in = frame;
-        });
+        report.vertices_written = self.plan.commit(jobs, frame);
         Ok(report)
     }
 
-    /// Makes the state and the pipeline that a target of an instance with a classic rule lacks.
-    fn add_state(&mut self, job: &mut RecordJob<'_>) -> Result<(), Error> {
-        let Some(bytes) = missing_state(job, job.target.classic.is_some()) else { return Ok(()) };
-        self.gpu.add_pipeline(&mut self.pipelines, job.target.state.variant(Case::Classic))?;
-        let state = Arc::new(ClassicBuffer::new(&self.gpu, &self.pipelines, bytes)?);
-        self.states.push(state.clone());
-        job.target.classic = Some(state);
-        // The new buffer holds no state, whatever the vertices show.
-        job.target.state.tracker.invalidate();
+    /// Finds the buffers that another queue family owns.
+    fn find_foreign(&mut self, jobs: &[RecordJob<'_>]) -> Result<(), Error> {
+        let foreign = &mut self.barriers.foreign;
+        foreign.clear();
+        for (j, job) in jobs.iter().enumerate() {
+            let buffer = job.target.binding.buffer;
+            let host = self.hosts.get(buffer).map_err(|e| of_job(e, j))?;
+            if self.gpu.foreign(host.def.queue_family) {
+                foreign.push(buffer);
+            }
+        }
+        foreign.sort_unstable();
+        foreign.dedup();
         Ok(())
     }
 
+    /// Makes the states and pipelines that targets of instances with a classic rule lack.
+    fn add_states(&mut self, jobs: &mut [RecordJob<'_>]) -> Result<(), Error> {
+        let Device { gpu, pipelines, states, .. } = self;
+        Plan::add_states(jobs, &gpu.binding_limits(), |target, bytes| {
+            pipelines.add(target.layout.variant(Case::Classic))?;
+            let buffer = OwnBuffer::new(gpu, bytes, BufferUse::Storage)?;
+            let set = pipelines.set(&[(buffer.handle, 0, bytes)])?;
+            let last_frame = AtomicU64::new(0);
+            let state = Arc::new(ClassicState { buffer: buffer.handle, set: set.handle, last_frame });
+            states.push((state.clone(), buffer, set));
+            Ok(state)
+        })
+    }
+
     /// Takes a slot, writes the frame's data into it, and adds the descriptor sets that it lacks.
-    fn fill(&mut self, plan: &Plan<TargetBinding>, offsets: &WorkOffsets) -> Result<usize, Error> {
-        let index = free_slot(&mut self.slots, &self.gpu, self.completed, offsets.bytes())?;
+    fn fill_slot(&mut self) -> Result<usize, Error> {
+        let words = self.plan.words();
+        let index = FrameSlot::free(&mut self.slots, &self.gpu, self.completed, 4 * words as u64)?;
         let slot = &mut self.slots[index];
-        for dispatch in plan.dispatches() {
+        for dispatch in self.plan.dispatches() {
             let chunk = dispatch.chunk();
-            slot.add_set((&self.gpu, &self.pipelines), chunk, self.arena.buffer(chunk))?;
+            slot.add_set(&self.pipelines, chunk, self.arena.buffer(chunk))?;
         }
-        self.gpu.write(&mut slot.staging, offsets.words(), |to| plan.write(to))?;
+        slot.staging.write(words, |to| self.plan.write(to))?;
         Ok(index)
     }
 
-    /// Records the commands of a frame that writes something. Returns the number of bytes that are copied. Everything that can
-    /// fail was done before, except for look-ups that were checked.
+    /// Records the commands of a frame: with its data in a slot, or only the acquire and the release of buffers that another queue
+    /// family owns. Returns the number of bytes that are copied. Everything that can fail was done before, except for look-ups that
+    /// were checked.
     fn commands(
         &mut self,
-        r: &mut Recording,
         (commands, frame): (vk::CommandBuffer, u64),
-        (slot, offsets): (usize, &WorkOffsets),
+        slot: Option<usize>,
         jobs: &[RecordJob<'_>],
     ) -> Result<u64, Error> {
-        self.slots[slot].frame = frame;
         self.recorded = frame;
-        r.before.clear();
-        r.after.clear();
-        let bytes_copied = self.copies(r, (commands, frame), (slot, offsets.bytes()));
-        let (mut from, mut to) = (COMPUTE | vk::PipelineStageFlags::TRANSFER, vk::PipelineStageFlags::empty());
-        let mut previous = None;
-        for dispatch in r.plan.dispatches() {
-            let binding = dispatch.binding();
-            let host = self.hosts.get_mut(binding.buffer)?;
-            host.used = frame;
-            if self.gpu.foreign(host.def.queue_family) || previous.replace(binding) == Some(binding) {
-                continue;
-            }
-            // The barrier covers everything that is bound: the kernel decides what of it is written. It also orders writes of
-            // earlier recordings before these.
-            let bytes = &host.windows[binding.window].range;
-            let access = host.def.before.access | SHADER_WRITE;
-            r.before.push(barrier(binding.handle, bytes.clone(), access, SHADER_WRITE));
-            r.after.push(barrier(binding.handle, bytes.clone(), SHADER_WRITE, host.def.after.access));
-            from |= host.def.before.stages;
-            to |= host.def.after.stages;
+        self.barriers.clear();
+        let mut bytes_copied = 0;
+        if let Some(slot) = slot {
+            self.slots[slot].frame = frame;
+            self.barriers.from = COMPUTE | vk::PipelineStageFlags::TRANSFER;
+            bytes_copied = self.copies((commands, frame), slot);
         }
-        let (first, last) = acquire_and_release(&mut self.hosts, &self.gpu, r, frame)?;
-        (from, to) = (from | first, to | last);
-        for dispatch in r.plan.dispatches().iter().filter(|d| d.classic()) {
+        self.barriers_of_buffers(frame)?;
+        for dispatch in self.plan.dispatches().iter().filter(|d| d.classic()) {
             let Some(state) = &jobs[dispatch.job].target.classic else { continue };
-            state.used_in(frame);
+            state.last_frame.fetch_max(frame, Ordering::Relaxed);
             let (read, write) = (vk::AccessFlags::SHADER_READ, SHADER_WRITE);
-            r.before.push(barrier(state.handle(), 0..vk::WHOLE_SIZE, write, read | write));
+            self.barriers.before.push(barrier(state.buffer, 0..vk::WHOLE_SIZE, write, read | write));
         }
-        cmd_barrier(&self.gpu, commands, (from, COMPUTE), &r.before);
-        self.dispatches(&r.plan, commands, (&self.slots[slot], offsets), jobs)?;
-        cmd_barrier(&self.gpu, commands, (COMPUTE, to), &r.after);
+        let Barriers { before, from, after, to, .. } = &self.barriers;
+        cmd_barrier(&self.gpu, commands, (*from, COMPUTE), before);
+        if let Some(slot) = slot {
+            self.dispatches(commands, &self.slots[slot], jobs)?;
+        }
+        cmd_barrier(&self.gpu, commands, (COMPUTE, *to), after);
         Ok(bytes_copied)
     }
 
     /// Records the copies of new meshes and of the frame's data, and adds their barriers. Returns the number of bytes.
-    fn copies(
-        &mut self,
-        r: &mut Recording,
-        (commands, frame): (vk::CommandBuffer, u64),
-        (slot, bytes): (usize, u64),
-    ) -> u64 {
-        let (f, slot) = (&self.gpu.functions, &self.slots[slot]);
+    fn copies(&mut self, (commands, frame): (vk::CommandBuffer, u64), slot: usize) -> u64 {
+        let (device, slot, before) = (&self.gpu.device, &self.slots[slot], &mut self.barriers.before);
         let mut total = 0;
         let mut copy = |from: vk::Buffer, to: vk::Buffer, at: u64, size: u64| {
             let region = vk::BufferCopy { src_offset: 0, dst_offset: at, size };
             // SAFETY: the command buffer is recording, as `record` demands. So everywhere in this file. The ranges lie within
             // both buffers.
-            unsafe { (f.cmd_copy_buffer)(commands, from, to, 1, &region) };
+            unsafe { device.cmd_copy_buffer(commands, from, to, &[region]) };
             total += size;
             let (write, read) = (vk::AccessFlags::TRANSFER_WRITE, vk::AccessFlags::SHADER_READ);
-            r.before.push(barrier(to, at..at + size, write, read));
+            before.push(barrier(to, at..at + size, write, read));
         };
-        self.arena.record(frame, |staging, chunk, at, size| copy(staging.handle, chunk.handle, at, size));
-        copy(slot.staging.handle, slot.storage.handle, 0, bytes);
+        self.arena.record(frame, |staging, chunk, at| copy(staging.handle, chunk.handle, at, staging.size));
+        copy(slot.staging.handle, slot.storage.handle, 0, 4 * self.plan.words() as u64);
         total
     }
 
-    fn dispatches(
-        &self,
-        plan: &Plan<TargetBinding>,
-        commands: vk::CommandBuffer,
-        (slot, offsets): (&FrameSlot, &WorkOffsets),
-        jobs: &[RecordJob<'_>],
-    ) -> Result<(), Error> {
-        let (f, pipelines) = (&self.gpu.functions, &self.pipelines);
-        let most = self.gpu.limits.max_compute_work_group_count[0];
+    /// Adds the barriers of the host's buffers.
+    fn barriers_of_buffers(&mut self, frame: u64) -> Result<(), Error> {
+        let Device { gpu, hosts, plan, barriers: r, .. } = self;
+        let mut previous = None;
+        for dispatch in plan.dispatches() {
+            let binding = dispatch.binding();
+            let host = hosts.get_mut(binding.buffer)?;
+            host.used = frame;
+            if gpu.foreign(host.def.queue_family) || previous.replace(binding) == Some(binding) {
+                continue;
+            }
+            // The barrier covers everything that is bound: the kernel decides what of it is written. It also orders writes of
+            // earlier recordings before these.
+            let (bytes, def) = (&host.windows[binding.window].range, &host.def);
+            r.before.push(barrier(binding.handle, bytes.clone(), def.before.access | SHADER_WRITE, SHADER_WRITE));
+            r.after.push(barrier(binding.handle, bytes.clone(), SHADER_WRITE, def.after.access));
+            (r.from, r.to) = (r.from | def.before.stages, r.to | def.after.stages);
+        }
+        for buffer in &r.foreign {
+            let host = hosts.get_mut(*buffer)?;
+            host.used = frame;
+            let (def, none) = (&host.def, vk::AccessFlags::empty());
+            let transfer = |(from, from_family), (to, to_family)| {
+                barrier(def.buffer, 0..vk::WHOLE_SIZE, from, to)
+                    .src_queue_family_index(from_family)
+                    .dst_queue_family_index(to_family)
+            };
+            // The other family makes its own accesses available and visible.
+            r.before.push(transfer((none, def.queue_family), (SHADER_WRITE, gpu.family)));
+            r.after.push(transfer((SHADER_WRITE, gpu.family), (none, def.queue_family)));
+            (r.from, r.to) = (r.from | def.before.stages, r.to | def.after.stages);
+        }
+        Ok(())
+    }
+
+    fn dispatches(&self, commands: vk::CommandBuffer, slot: &FrameSlot, jobs: &[RecordJob<'_>]) -> Result<(), Error> {
+        let (device, layout) = (&self.gpu.device, self.pipelines.layout);
         let (mut bound, mut previous) = (None, None);
-        for d in plan.dispatches() {
+        for d in self.plan.dispatches() {
             let binding = d.binding();
             if previous.replace(binding.handle) == Some(binding.handle) {
                 // These are other vertices of the same buffer. Validation layers cannot know that, and it is rare.
                 let all = [barrier(binding.handle, 0..vk::WHOLE_SIZE, SHADER_WRITE, SHADER_WRITE)];
                 cmd_barrier(&self.gpu, commands, (COMPUTE, COMPUTE), &all);
             }
-            let (call, [across, rows]) = offsets.call(&d.blocks, d.variant.vertices(self.workgroup), most);
             let window = self.hosts.get(binding.buffer)?.windows[binding.window].set.handle;
             let state = jobs[d.job].target.classic.as_ref().filter(|_| d.classic());
-            let sets = [slot.set(d.chunk()).handle, window, state.map_or(window, |s| s.set())];
-            let count = if d.classic() { 3 } else { 2 };
-            let pipeline = pipelines.get(d.variant);
+            let sets = [slot.sets[&d.chunk()].handle, window, state.map_or(window, |s| s.set)];
+            let sets = if d.classic() { &sets[..] } else { &sets[..2] };
+            let pipeline = self.pipelines.get(d.variant);
             let (point, compute) = (vk::PipelineBindPoint::COMPUTE, vk::ShaderStageFlags::COMPUTE);
             // SAFETY: as above. The handles are alive until the frame is done.
             unsafe {
                 if bound.replace(pipeline) != Some(pipeline) {
-                    (f.cmd_bind_pipeline)(commands, point, pipeline);
+                    device.cmd_bind_pipeline(commands, point, pipeline);
                 }
-                let layout = pipelines.layout;
-                (f.cmd_bind_descriptor_sets)(commands, point, layout, 0, count, sets.as_ptr(), 0, null());
-                let size = size_of::<Call>() as u32;
-                (f.cmd_push_constants)(commands, layout, compute, 0, size, (&raw const call).cast());
-                (f.cmd_dispatch)(commands, across, rows, 1);
+                device.cmd_bind_descriptor_sets(commands, point, layout, 0, sets, &[]);
+                device.cmd_push_constants(commands, layout, compute, 0, bytes_of(&d.call));
+                device.cmd_dispatch(commands, d.groups[0], d.groups[1], 1);
             }
         }
         Ok(())
     }
+}
 
-    /// Records the acquire and the release of buffers that another queue family owns, for a frame that writes nothing.
-    fn pass_on(&mut self, r: &mut Recording, (commands, frame): (vk::CommandBuffer, u64)) -> Result<(), Error> {
-        r.before.clear();
-        r.after.clear();
-        let (from, to) = acquire_and_release(&mut self.hosts, &self.gpu, r, frame)?;
-        self.recorded = frame;
-        cmd_barrier(&self.gpu, commands, (from, COMPUTE), &r.before);
-        cmd_barrier(&self.gpu, commands, (COMPUTE, to), &r.after);
-        Ok(())
+impl Barriers {
+    /// Removes all but the list of buffers.
+    fn clear(&mut self) {
+        self.before.clear();
+        self.after.clear();
+        (self.from, self.to) = Default::default();
     }
+}
+
+/// A barrier for these bytes of a buffer that stays with its queue family.
+fn barrier(
+    buffer: vk::Buffer,
+    bytes: Range<u64>,
+    from: vk::AccessFlags,
+    to: vk::AccessFlags,
+) -> vk::BufferMemoryBarrier<'static> {
+    vk::BufferMemoryBarrier::default()
+        .src_access_mask(from)
+        .dst_access_mask(to)
+        .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+        .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+        .buffer(buffer)
+        .offset(bytes.start)
+        .size(if bytes.end == vk::WHOLE_SIZE { bytes.end } else { bytes.end - bytes.start })
+}
+
+/// Records the barriers between two sets of stages.
+fn cmd_barrier(
+    gpu: &VulkanDevice,
+    commands: vk::CommandBuffer,
+    (from, to): (vk::PipelineStageFlags, vk::PipelineStageFlags),
+    barriers: &[vk::BufferMemoryBarrier<'_>],
+) {
+    let none = vk::DependencyFlags::empty();
+    // SAFETY: the command buffer is recording.
+    unsafe { gpu.device.cmd_pipeline_barrier(commands, from, to, none, &[], barriers, &[]) };
 }
 
 /// The error, naming the job.

@@ -1,11 +1,11 @@
 //! The host's VkDevice with its functions and limits.
 
-use super::functions::{DeviceFnV1_0, InstanceFnV1_0, load};
+use super::functions;
 use crate::base::error::Error;
 use crate::gpu::{BindingLimits, check_workgroup_size};
 use ash::vk::{self, Handle};
 use std::ffi::CStr;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 /// The host's Vulkan device.
 #[derive(Clone)]
@@ -50,14 +50,15 @@ impl<'a> DeviceDef<'a> {
 
 /// The Vulkan device, its functions and its limits.
 pub(super) struct VulkanDevice {
-    pub functions: DeviceFnV1_0,
-    pub device: vk::Device,
+    pub device: ash::Device,
     pub memory: vk::PhysicalDeviceMemoryProperties,
     pub limits: vk::PhysicalDeviceLimits,
     /// Family of the queue that command buffers are submitted to.
     pub family: u32,
     /// Buffers, memory allocations and descriptor pools made so far.
     made: AtomicU64,
+    /// Whether what is dropped is leaked, since a frame in flight may use it.
+    leaks: AtomicBool,
 }
 
 impl VulkanDevice {
@@ -76,43 +77,41 @@ impl VulkanDevice {
                 return Err(Error::invalid(name, "null", "a valid handle"));
             }
         }
-        let get = def.get_instance_proc_addr;
         let of_instance = |name: &CStr| {
             // SAFETY: the caller's loader and instance.
-            unsafe { get(def.instance, name.as_ptr()) }
+            unsafe { (def.get_instance_proc_addr)(def.instance, name.as_ptr()) }
         };
-        let instance = load(|get| InstanceFnV1_0::load(get), of_instance)?;
+        let instance = functions::instance(def.instance, of_instance, false)?;
         let of_device = |name: &CStr| {
             // SAFETY: the caller's device, and its own loader.
-            unsafe { (instance.get_device_proc_addr)(def.device, name.as_ptr()) }
+            unsafe { instance.get_device_proc_addr(def.device, name.as_ptr()) }
         };
-        let functions = load(|get| DeviceFnV1_0::load(get), of_device)?;
-        let mut properties = vk::PhysicalDeviceProperties::default();
-        let mut memory = vk::PhysicalDeviceMemoryProperties::default();
-        let mut count = 0;
+        let device = functions::device(def.device, of_device)?;
         // SAFETY: the caller's physical device.
-        unsafe {
-            (instance.get_physical_device_properties)(def.physical_device, &mut properties);
-            (instance.get_physical_device_memory_properties)(def.physical_device, &mut memory);
-            (instance.get_physical_device_queue_family_properties)(
-                def.physical_device,
-                &mut count,
-                std::ptr::null_mut(),
-            );
-        }
-        let mut families = vec![vk::QueueFamilyProperties::default(); count as usize];
-        // SAFETY: the same; there is room for `count`.
-        unsafe {
-            (instance.get_physical_device_queue_family_properties)(
-                def.physical_device,
-                &mut count,
-                families.as_mut_ptr(),
+        let (properties, memory, families) = unsafe {
+            (
+                instance.get_physical_device_properties(def.physical_device),
+                instance.get_physical_device_memory_properties(def.physical_device),
+                instance.get_physical_device_queue_family_properties(def.physical_device),
             )
         };
         check(def, &properties, &families)?;
-        let (device, limits, family) = (def.device, properties.limits, def.queue_family);
+        let (limits, family) = (properties.limits, def.queue_family);
         let cache = if fits(def.pipeline_cache, &properties) { def.pipeline_cache } else { &[] };
-        Ok((VulkanDevice { functions, device, memory, limits, family, made: AtomicU64::new(0) }, cache))
+        let (made, leaks) = (AtomicU64::new(0), AtomicBool::new(false));
+        Ok((VulkanDevice { device, memory, limits, family, made, leaks }, cache))
+    }
+
+    /// Leaks everything that is dropped from now on.
+    pub(super) fn leak(&self) {
+        self.leaks.store(true, Ordering::Relaxed);
+    }
+
+    /// Calls `destroy` with the device, unless objects are leaked.
+    pub(super) fn destroy(&self, destroy: impl FnOnce(&ash::Device)) {
+        if !self.leaks.load(Ordering::Relaxed) {
+            destroy(&self.device);
+        }
     }
 
     /// Whether a buffer's owner is another queue family.

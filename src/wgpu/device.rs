@@ -1,29 +1,28 @@
 //! The device that hosts use: everything that is made on the wgpu device.
 
 use super::belt::Belt;
-use super::bound_buffers::BoundBuffers;
-use super::frame_encoding::FrameEncoding;
 use super::pipelines::WgpuPipelines;
-use super::readback::Readback;
+use super::read::Readback;
+use super::target::{BoundBuffers, Target, TargetDef};
 use super::wgpu_device::{DeviceDef, DeviceEvents, WgpuDevice};
 use crate::base::error::Error;
-use crate::gpu::Arena;
+use crate::example::set::ExampleSet;
+use crate::gpu::{Arena, Plan, ResidentMesh};
 use std::fmt;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex};
 
 /// A `wgpu` device that deforms.
 pub struct Device {
     pub(super) gpu: WgpuDevice,
-    /// Distinguishes its targets from those of other devices.
-    pub(super) id: u64,
     pub(super) pipelines: WgpuPipelines,
-    pub(super) workgroup: u32,
-    pub(super) bound: BoundBuffers,
+    bound: BoundBuffers,
     pub(super) arena: Arena<wgpu::Buffer>,
+    pub(super) plan: Plan<u64>,
+    /// The data of a frame, and behind it a call for each dispatch. It is reused.
+    pub(super) words: Vec<u32>,
     pub(super) belt: Belt,
     pub(super) reader: Readback,
-    pub(super) encoding: FrameEncoding,
 }
 
 impl fmt::Debug for Device {
@@ -51,18 +50,16 @@ impl Device {
         def: &DeviceDef,
         events: Option<Arc<Mutex<DeviceEvents>>>,
     ) -> Result<Self, Error> {
-        static NEXT: AtomicU64 = AtomicU64::new(1);
         let gpu = WgpuDevice::new(device, queue, def, events)?;
         Ok(Device {
             pipelines: WgpuPipelines::new(&gpu, def.workgroup_size)?,
+            plan: Plan::new(def.workgroup_size, gpu.limits.max_compute_workgroups_per_dimension),
             gpu,
-            id: NEXT.fetch_add(1, Ordering::Relaxed),
-            workgroup: def.workgroup_size,
             bound: BoundBuffers::default(),
             arena: Arena::new(),
+            words: Vec::new(),
             belt: Belt::default(),
             reader: Readback::default(),
-            encoding: FrameEncoding::default(),
         })
     }
 
@@ -81,18 +78,56 @@ impl Device {
         self.gpu.made.load(Ordering::Relaxed)
     }
 
-    /// Fails if the device has reported an error outside of calls. Only devices that were made here are listened to.
-    pub(super) fn reported_error(&self) -> Result<(), Error> {
-        self.gpu.reported_error()
-    }
-
     /// Sets the most vertices that a frame writes; see [`crate::deform_within`]. At first there is no limit (`u64::MAX`).
     pub fn set_vertex_budget(&mut self, vertices: u64) {
-        self.encoding.plan.budget = vertices;
+        self.plan.budget = vertices;
     }
 
     /// Frees meshes that no target shows.
     pub(super) fn free_meshes(&mut self) {
-        self.arena.collect(0, |chunk, _| self.belt.remove_group(chunk));
+        self.arena.collect(0, |chunk| self.belt.remove_group(chunk));
+    }
+
+    /// Adds a target: a place for the vertices of one of the set's meshes. The first target of a mesh uploads the mesh and its
+    /// examples before the next submission.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for a buffer without `STORAGE`, a format that the attribute cannot have, a stride that is too
+    /// small, attributes that overlap, or a bad scale; [`Error::Misaligned`] for offsets and strides that are not multiples of 4;
+    /// [`Error::BufferTooSmall`]; [`Error::IndexOutOfRange`] for a level of detail that the set lacks; [`Error::Unsupported`] for
+    /// normals or tangents that the mesh lacks, or more bytes than the device can bind;
+    /// [`Error::Wgpu`] for a buffer of another device or one that was destroyed; [`Error::OutOfMemory`], [`Error::DeviceLost`].
+    pub fn add_target(&mut self, set: &Arc<ExampleSet>, def: &TargetDef<'_>) -> Result<Target, Error> {
+        self.gpu.reported_error()?;
+        let mesh = set.lod(def.lod)?;
+        let usage = def.buffer.usage();
+        if !usage.contains(wgpu::BufferUsages::STORAGE) {
+            let value = format!("{usage:?}");
+            return Err(Error::invalid("the buffer's usage", value, "with STORAGE among its flags"));
+        }
+        let (layout, written) = def.layout(&mesh.mesh, def.buffer.size() & !3)?;
+        let bound = self.bound.binding((&self.gpu, &self.pipelines), def.buffer, &written)?;
+        let first = def.offset.wrapping_sub(bound.range.start);
+        let mesh = self.mesh(set, def.lod)?;
+        Ok(Target::new(self.plan.id, (layout, first), mesh, (bound.id, bound)))
+    }
+
+    /// Returns a mesh of the set. A new one is uploaded before the next submission runs.
+    fn mesh(&mut self, set: &Arc<ExampleSet>, lod: usize) -> Result<Arc<ResidentMesh>, Error> {
+        self.free_meshes();
+        let gpu = &self.gpu;
+        let mut limits = gpu.binding_limits();
+        if gpu.limits.max_buffer_size < limits.bytes {
+            (limits.bytes, limits.name) = (gpu.limits.max_buffer_size & !3, "max_buffer_size");
+        }
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
+        let make = |bytes| gpu.buffer("meshes and examples", bytes, usage);
+        self.arena.mesh((set, lod), &limits, make, |chunk, mesh, lod| {
+            let words = mesh.to_words(lod)?;
+            let bytes: &[u8] = bytemuck::cast_slice(&words);
+            gpu.checked("uploading a mesh and its examples", bytes.len() as u64, || {
+                gpu.queue.write_buffer(chunk, mesh.offset(), bytes)
+            })
+        })
     }
 }

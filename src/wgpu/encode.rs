@@ -1,10 +1,12 @@
 //! Encodes a frame: a copy, and a compute pass with dispatches for what changed.
 
 use super::device::Device;
-use super::frame_encoding::FrameEncoding;
 use super::target::Target;
 use crate::base::error::Error;
-use crate::gpu::{FrameReport, Job, Plan, Variant, missing_state};
+use crate::gpu::{Call, FrameReport, Job, Plan, Variant};
+use bytemuck::cast_ref;
+
+const CALL_WORDS: usize = size_of::<Call>() / 4;
 
 /// A target to bring up to date.
 /// <!--
@@ -35,11 +37,29 @@ impl Device {
         encoder: &mut wgpu::CommandEncoder,
         jobs: &mut [EncodeJob<'_>],
     ) -> Result<EncodeReport, Error> {
-        self.reported_error()?;
-        let mut encoding = std::mem::take(&mut self.encoding);
-        let encoded = self.encode_jobs(&mut encoding, encoder, jobs);
-        self.encoding = encoding;
-        encoded
+        self.gpu.reported_error()?;
+        self.plan.check(jobs)?;
+        self.free_meshes();
+        let (gpu, one) = (&self.gpu, &self.pipelines.one);
+        Plan::add_states(jobs, &gpu.binding_limits(), |_, bytes| {
+            let buffer = gpu.buffer("a classic rule's state", bytes, wgpu::BufferUsages::STORAGE)?;
+            gpu.bind_group(one, &[wgpu::BufferBinding { buffer: &buffer, offset: 0, size: None }])
+        })?;
+        let mut report = self.plan.fill(jobs)?;
+        if report.blocks_written > 0 {
+            self.write_words();
+            report.bytes_copied = 4 * self.words.len() as u64;
+            self.belt.reserve(&self.gpu, report.bytes_copied)?;
+            for dispatch in self.plan.dispatches() {
+                self.pipelines.add(&self.gpu, dispatch.variant)?;
+                let chunk = dispatch.chunk();
+                self.belt.add_group((&self.gpu, &self.pipelines), chunk, self.arena.buffer(chunk))?;
+            }
+            self.belt.copy(&self.gpu, encoder, &self.words)?;
+            self.dispatch(encoder, jobs);
+        }
+        report.vertices_written = self.plan.commit(jobs, 0);
+        Ok(report)
     }
 
     /// Encodes into a command buffer of its own and submits it. Nothing waits for the device; what is submitted later sees the
@@ -63,66 +83,44 @@ impl Device {
         Ok(report)
     }
 
-    fn encode_jobs(
-        &mut self,
-        e: &mut FrameEncoding,
-        encoder: &mut wgpu::CommandEncoder,
-        jobs: &mut [EncodeJob<'_>],
-    ) -> Result<EncodeReport, Error> {
-        Plan::check(jobs, self.id)?;
-        self.free_meshes();
-        for job in jobs.iter_mut() {
-            self.add_state(job)?;
-        }
-        let mut report = e.plan.fill(jobs)?;
-        if report.blocks_written > 0 {
-            e.write(&self.gpu, self.workgroup)?;
-            self.belt.reserve(&self.gpu, 4 * e.words.len() as u64)?;
-            for dispatch in e.plan.dispatches() {
-                self.pipelines.add(&self.gpu, dispatch.variant)?;
-                let chunk = dispatch.chunk();
-                self.belt.add_group((&self.gpu, &self.pipelines), chunk, self.arena.buffer(chunk))?;
-            }
-            self.belt.copy(&self.gpu, encoder, &e.words)?;
-            report.bytes_copied = 4 * e.words.len() as u64;
-            self.dispatch(encoder, e, jobs);
-        }
-        report.vertices_written = e.plan.commit(jobs, |_| ());
-        Ok(report)
+    /// Words of the frame's data before the call of a dispatch.
+    fn call_at(&self, dispatch: usize) -> usize {
+        let align = self.gpu.limits.min_uniform_buffer_offset_alignment.max(4) as usize / 4;
+        self.plan.words().next_multiple_of(align) + dispatch * CALL_WORDS.next_multiple_of(align)
     }
 
-    /// Makes the state that a target of an instance with a classic rule lacks.
-    fn add_state(&mut self, job: &mut EncodeJob<'_>) -> Result<(), Error> {
-        let Some(bytes) = missing_state(job, job.target.classic.is_some()) else { return Ok(()) };
-        self.gpu.binding_limits().check("a classic rule's state", bytes)?;
-        let buffer = self.gpu.buffer("a classic rule's state", bytes, wgpu::BufferUsages::STORAGE)?;
-        let whole = wgpu::BufferBinding { buffer: &buffer, offset: 0, size: None };
-        job.target.classic = Some(self.gpu.bind_group(&self.pipelines.one, &[whole])?);
-        // The new buffer holds no state, whatever the vertices show.
-        job.target.state.tracker.invalidate();
-        Ok(())
+    /// Writes the frame's data and behind it the calls of its dispatches, of which there are some.
+    fn write_words(&mut self) {
+        let last = self.call_at(self.plan.dispatches().len() - 1);
+        let mut words = std::mem::take(&mut self.words);
+        words.clear();
+        words.resize(last + CALL_WORDS, 0);
+        self.plan.write(&mut words);
+        for (i, d) in self.plan.dispatches().iter().enumerate() {
+            words[self.call_at(i)..][..CALL_WORDS].copy_from_slice(cast_ref::<Call, [u32; CALL_WORDS]>(&d.call));
+        }
+        self.words = words;
     }
 
     /// Encodes the compute pass. Nothing here fails.
-    fn dispatch(&self, encoder: &mut wgpu::CommandEncoder, e: &FrameEncoding, jobs: &[EncodeJob<'_>]) {
+    fn dispatch(&self, encoder: &mut wgpu::CommandEncoder, jobs: &[EncodeJob<'_>]) {
         let descriptor = wgpu::ComputePassDescriptor { label: Some("crumple"), timestamp_writes: None };
         let mut pass = encoder.begin_compute_pass(&descriptor);
         let mut bound: Option<Variant> = None;
-        for (d, call) in e.plan.dispatches().iter().zip(&e.calls) {
+        for (i, d) in self.plan.dispatches().iter().enumerate() {
             let target = &*jobs[d.job].target;
-            let wanted = d.variant;
-            let (Some(pipeline), Some(group)) = (self.pipelines.get(wanted), self.belt.group(d.chunk())) else {
+            let (Some(pipeline), Some(group)) = (self.pipelines.get(d.variant), self.belt.group(d.chunk())) else {
                 continue;
             };
-            if bound.replace(wanted) != Some(wanted) {
+            if bound.replace(d.variant) != Some(d.variant) {
                 pass.set_pipeline(pipeline);
             }
-            pass.set_bind_group(0, group, &[call.at]);
-            pass.set_bind_group(1, &target.bound.group, &[]);
+            pass.set_bind_group(0, group, &[4 * self.call_at(i) as u32]);
+            pass.set_bind_group(1, &target.own.group, &[]);
             if let Some(state) = target.classic.as_ref().filter(|_| d.classic()) {
                 pass.set_bind_group(2, state, &[]);
             }
-            let [across, rows] = call.groups;
+            let [across, rows] = d.groups;
             pass.dispatch_workgroups(across, rows, 1);
         }
     }

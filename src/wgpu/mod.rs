@@ -31,15 +31,11 @@
 #[cfg(any(windows, target_os = "linux", target_os = "android", target_os = "freebsd"))]
 mod adopt;
 mod belt;
-mod bound_buffers;
 mod device;
 mod encode;
-mod frame_encoding;
 mod headless;
 mod pipelines;
 mod read;
-mod readback;
-mod register;
 mod target;
 mod wgpu_device;
 

@@ -3,6 +3,8 @@
 use super::wgpu_device::WgpuDevice;
 use crate::base::error::Error;
 use crate::gpu::{Call, Module, Variant};
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::num::NonZero;
 use std::sync::atomic::Ordering;
 
@@ -28,8 +30,7 @@ pub(super) struct WgpuPipelines {
     layouts: [wgpu::PipelineLayout; 2],
     /// Invocations a workgroup.
     workgroup: u32,
-    /// In the order of [`Variant::number`].
-    pipelines: [Option<wgpu::ComputePipeline>; Variant::COUNT],
+    pipelines: BTreeMap<Variant, wgpu::ComputePipeline>,
 }
 
 impl WgpuPipelines {
@@ -61,15 +62,12 @@ impl WgpuPipelines {
                 immediate_size: 0,
             })
         });
-        WgpuPipelines { work, one, layouts, workgroup, pipelines: [const { None }; Variant::COUNT] }
+        WgpuPipelines { work, one, layouts, workgroup, pipelines: BTreeMap::new() }
     }
 
     /// Adds the pipeline of a variant, if it is not there yet.
     pub(super) fn add(&mut self, gpu: &WgpuDevice, variant: Variant) -> Result<(), Error> {
-        let pipeline = &mut self.pipelines[variant.number()];
-        if pipeline.is_some() {
-            return Ok(());
-        }
+        let Entry::Vacant(pipeline) = self.pipelines.entry(variant) else { return Ok(()) };
         let (device, rule) = (&gpu.device, variant.source());
         let label = Some(NAMES[rule]);
         let exact = gpu.takes_spirv();
@@ -78,17 +76,11 @@ impl WgpuPipelines {
             let module = if exact {
                 let words = MODULES[rule].compiled(variant, workgroup);
                 let spirv = Some(words.into());
-                let descriptor = wgpu::ShaderModuleDescriptorPassthrough {
-                    label,
-                    entry_points: [wgpu::PassthroughShaderEntryPoint {
-                        name: "main".into(),
-                        workgroup_size: (workgroup, 1, 1),
-                    }]
-                    .to_vec()
-                    .into(),
-                    spirv,
-                    ..Default::default()
-                };
+                let entry_point =
+                    wgpu::PassthroughShaderEntryPoint { name: "main".into(), workgroup_size: (workgroup, 1, 1) };
+                let entry_points = vec![entry_point].into();
+                let descriptor =
+                    wgpu::ShaderModuleDescriptorPassthrough { label, entry_points, spirv, ..Default::default() };
                 // SAFETY: the SPIR-V is valid. Its bindings are those of the layout, numbered from 0 on without gaps, as wgpu
                 // numbers them too. Its loops, divisors and indices are those of the WGSL below.
                 unsafe { device.create_shader_module_passthrough(descriptor) }
@@ -112,13 +104,13 @@ impl WgpuPipelines {
                 cache: None,
             })
         })?;
-        *pipeline = Some(made);
+        pipeline.insert(made);
         Ok(())
     }
 
     /// A pipeline that was added.
     pub(super) fn get(&self, variant: Variant) -> Option<&wgpu::ComputePipeline> {
-        self.pipelines[variant.number()].as_ref()
+        self.pipelines.get(&variant)
     }
 }
 

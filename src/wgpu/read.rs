@@ -2,10 +2,15 @@
 
 use super::device::Device;
 use super::target::Target;
-use crate::base::error::Error;
+use super::wgpu_device::WgpuDevice;
+use crate::base::error::{Error, reserve};
+use crate::base::strided::Strided;
 use crate::deform::VertexMemory;
 use crate::example::set::ExampleSet;
-use crate::gpu::{Encoding, VertexStream};
+use crate::gpu::{Attribute, Encoding};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 impl Device {
     /// Waits for everything that was submitted, and reads bytes of a buffer. `offset` and the number of bytes are multiples of 4.
@@ -14,12 +19,10 @@ impl Device {
     /// [`Error::InvalidArgument`] for a buffer without `COPY_SRC`; [`Error::Misaligned`]; [`Error::BufferTooSmall`];
     /// [`Error::OutOfMemory`], [`Error::Wgpu`], [`Error::DeviceLost`]. After an error nothing was written.
     pub fn read(&mut self, buffer: &wgpu::Buffer, offset: u64, to: &mut [u8]) -> Result<(), Error> {
-        self.reported_error()?;
+        self.gpu.reported_error()?;
         let bytes = to.len() as u64;
         for (name, value) in [("the offset", offset), ("the number of bytes to read", bytes)] {
-            if value % 4 != 0 {
-                return Err(Error::Misaligned { name: name.into(), value, align: 4 });
-            }
+            Strided::check_aligned(name, value, 4)?;
         }
         let (size, needed) = (buffer.size(), offset.saturating_add(bytes));
         if needed > size {
@@ -45,45 +48,95 @@ impl Device {
         target: &Target,
         memory: &mut VertexMemory<'_>,
     ) -> Result<(), Error> {
-        if target.state.device != self.id {
+        if target.state.device != self.plan.id {
             return Err(Error::invalid("target", "of another device", "a target of this device"));
         }
-        if !std::ptr::eq(target.state.set.as_ptr(), set) {
+        if !std::ptr::eq(target.state.mesh.set.as_ptr(), set) {
             return Err(Error::invalid("set", "another one", "the set of the target"));
         }
-        let count = set.lod(target.state.lod)?.vertex_count();
+        let count = set.lod(target.state.mesh.lod)?.vertex_count();
         memory.check_size(count)?;
-        let stream = |name: &str, s: Option<VertexStream<Encoding>>, wanted: bool| match s {
-            _ if !wanted => Ok(None),
-            Some(s) if s.format == Encoding::F32 => Ok(Some(s)),
-            Some(s) => Err(Error::Unsupported { what: format!("reading {name} from {:?}: only floats", s.format) }),
-            None => Err(Error::Unsupported { what: format!("reading {name}, which the target does not have") }),
-        };
-        let positions = stream("positions", Some(target.state.layout.positions), true)?;
-        let normals = stream("normals", target.state.layout.normals, memory.has_normals())?;
-        let tangents = stream("tangents", target.state.layout.tangents, memory.has_tangents())?;
-        let mut all = crate::base::error::reserve::<u32>(target.size.div_ceil(4) as usize, "a target's vertices")?;
-        all.resize((target.size / 4) as usize, 0);
-        self.read(target.buffer(), target.offset, bytemuck::cast_slice_mut(&mut all))?;
-        let value = |s: VertexStream<Encoding>, v: usize, i: u64| {
-            f32::from_bits(all[((s.offset + v as u64 * s.stride) / 4 + i) as usize])
-        };
+        let wanted = [true, memory.has_normals(), memory.has_tangents()];
+        let (mut streams, mut end) = ([None; 3], 0);
+        for (i, attribute) in Attribute::ALL.into_iter().enumerate().filter(|(i, _)| wanted[*i]) {
+            let name = attribute.plural();
+            streams[i] = match target.state.layout.streams[i] {
+                Some(s) if s.format == Encoding::F32 => Some(s),
+                Some(s) => {
+                    return Err(Error::Unsupported {
+                        what: format!("reading {name} from {:?}: only floats", s.format),
+                    });
+                }
+                None => {
+                    return Err(Error::Unsupported { what: format!("reading {name}, which the target does not have") });
+                }
+            };
+            end = end.max(streams[i].map_or(0, |s| s.strided(attribute, count).span().end));
+        }
+        let mut all = reserve::<u32>(end as usize / 4, "a target's vertices")?;
+        all.resize(end as usize / 4, 0);
+        let offset = target.own.range.start.wrapping_add(target.state.first);
+        self.read(target.buffer(), offset, bytemuck::cast_slice_mut(&mut all))?;
         for v in 0..count {
-            let four = |s| [0, 1, 2, 3].map(|i| value(s, v, i));
-            let three = |s| [0, 1, 2].map(|i| value(s, v, i));
+            let value = |attribute: usize, i: u64| {
+                streams[attribute]
+                    .map_or(0.0, |s| f32::from_bits(all[((s.offset + v as u64 * s.stride) / 4 + i) as usize]))
+            };
+            let three = |attribute| [0, 1, 2].map(|i| value(attribute, i));
             // SAFETY: the memory has room for all vertices, and only this function borrows it.
             unsafe {
-                if let Some(s) = positions {
-                    memory.write_positions(v, &three(s));
+                memory.write_positions(v, &three(0));
+                if streams[1].is_some() {
+                    memory.write_normals(v, &three(1));
                 }
-                if let Some(s) = normals {
-                    memory.write_normals(v, &three(s));
-                }
-                if let Some(s) = tangents {
-                    memory.write_tangent(v, four(s).into());
+                if streams[2].is_some() {
+                    memory.write_tangent(v, [0, 1, 2, 3].map(|i| value(2, i)).into());
                 }
             }
         }
+        Ok(())
+    }
+}
+
+/// A buffer that the CPU reads. It is reused.
+#[derive(Default)]
+pub(super) struct Readback {
+    buffer: Option<wgpu::Buffer>,
+}
+
+impl Readback {
+    /// Copies bytes of `from`, from `offset` on, once everything that was submitted has run.
+    pub(super) fn read(
+        &mut self,
+        gpu: &WgpuDevice,
+        (from, offset): (&wgpu::Buffer, u64),
+        to: &mut [u8],
+    ) -> Result<(), Error> {
+        let bytes = to.len() as u64;
+        // It is taken, so that a buffer that stays mapped after a failure is not reused.
+        let buffer = match self.buffer.take().filter(|b| b.size() >= bytes) {
+            Some(buffer) => buffer,
+            None => gpu.buffer("read back", bytes, wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST)?,
+        };
+        let mapped = Arc::new(AtomicBool::new(false));
+        gpu.checked("reading a buffer", 0, || {
+            let descriptor = wgpu::CommandEncoderDescriptor { label: Some("crumple: read back") };
+            let mut encoder = gpu.device.create_command_encoder(&descriptor);
+            encoder.copy_buffer_to_buffer(from, offset, &buffer, 0, bytes);
+            gpu.queue.submit([encoder.finish()]);
+            let done = mapped.clone();
+            buffer.map_async(wgpu::MapMode::Read, ..bytes, move |result| done.store(result.is_ok(), Ordering::Release));
+        })?;
+        // wgpu panics if the device is lost during the wait.
+        let lost = || Error::DeviceLost { call: "waiting for the device".into() };
+        let poll = || gpu.device.poll(wgpu::PollType::wait_indefinitely());
+        catch_unwind(AssertUnwindSafe(poll)).map_err(|_| lost())?.map_err(|_| lost())?;
+        if !mapped.load(Ordering::Acquire) {
+            return Err(lost());
+        }
+        to.copy_from_slice(&buffer.get_mapped_range(..bytes).map_err(|_| lost())?);
+        buffer.unmap();
+        self.buffer = Some(buffer);
         Ok(())
     }
 }

@@ -1,30 +1,25 @@
-//! A target: the place of a mesh's vertices in a buffer of the host.
+//! A target: the place of a mesh's vertices in a buffer of the host; and the bind groups of these buffers, which targets share.
 
-use super::bound_buffers::BoundBuffer;
-use crate::base::math::Aabb;
-use crate::gpu::{self, Encoding, HostFormat, PlanTarget, TargetState, VertexStream};
+use super::pipelines::WgpuPipelines;
+use super::wgpu_device::WgpuDevice;
+use crate::base::error::Error;
+use crate::gpu::{self, Attribute, Encoding, HostFormat, VertexStream, binding_range};
+use std::num::NonZero;
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, Weak};
 use wgpu::VertexFormat;
 
 impl HostFormat for VertexFormat {
-    const POSITIONS: [(Self, Encoding); 3] = [
-        (VertexFormat::Float32x3, Encoding::F32),
-        (VertexFormat::Float16x4, Encoding::F16x4),
-        (VertexFormat::Snorm16x4, Encoding::Snorm16x4),
-    ];
-    const NORMALS: [(Self, Encoding); 4] = [
-        (VertexFormat::Float32x3, Encoding::F32),
-        (VertexFormat::Snorm16x4, Encoding::Snorm16x4),
-        (VertexFormat::Snorm8x4, Encoding::Snorm8x4),
-        (VertexFormat::Unorm16x2, Encoding::Octahedral16x2),
-    ];
-    const TANGENTS: [(Self, Encoding); 4] = [
-        (VertexFormat::Float32x4, Encoding::F32),
-        (VertexFormat::Snorm16x4, Encoding::Snorm16x4),
-        (VertexFormat::Snorm8x4, Encoding::Snorm8x4),
-        (VertexFormat::Unorm16x2, Encoding::Octahedral16x2),
-    ];
+    fn of(attribute: Attribute, encoding: Encoding) -> Self {
+        match encoding {
+            Encoding::F32 if attribute == Attribute::Tangent => VertexFormat::Float32x4,
+            Encoding::F32 => VertexFormat::Float32x3,
+            Encoding::F16x4 => VertexFormat::Float16x4,
+            Encoding::Snorm16x4 => VertexFormat::Snorm16x4,
+            Encoding::Snorm8x4 => VertexFormat::Snorm8x4,
+            Encoding::Octahedral16x2 => VertexFormat::Unorm16x2,
+        }
+    }
 }
 
 /// Where a buffer stores one attribute of the vertices.
@@ -37,53 +32,52 @@ pub type Stream = VertexStream<VertexFormat>;
 pub type TargetDef<'a> = gpu::TargetDef<&'a wgpu::Buffer, VertexFormat>;
 
 /// A mesh's vertices in a buffer, and what they show. Drop it to end it.
-#[derive(Debug)]
-pub struct Target {
-    pub(super) state: TargetState,
-    pub(super) offset: u64,
-    pub(super) size: u64,
-    pub(super) bound: Arc<BoundBuffer>,
-    /// States of the vertices, for an instance with a classic rule.
-    pub(super) classic: Option<wgpu::BindGroup>,
-}
+pub type Target = gpu::Target<u64, wgpu::BindGroup, Arc<BoundBuffer>>;
 
 impl Target {
-    /// Forgets what the memory holds, so that the next encoding writes every vertex. Call it if anyone else wrote to the memory, or
-    /// if an encoding was not submitted.
-    pub fn invalidate(&mut self) {
-        self.state.tracker.invalidate();
-    }
-
-    /// A box around all vertices as of the last encoding, m; `None` before the first. It may be too large, since the CPU only knows
-    /// how far each block can have moved, but never too small.
-    pub fn bounds(&self) -> Option<Aabb> {
-        self.state.tracker.bounds()
-    }
-
-    /// Vertices that the last encoding wrote, as increasing ranges with gaps between them.
-    pub fn changed(&self) -> &[Range<u32>] {
-        self.state.tracker.changed()
-    }
-
     /// Its buffer.
     pub fn buffer(&self) -> &wgpu::Buffer {
-        &self.bound.buffer
+        &self.own.buffer
     }
 }
 
-impl PlanTarget for Target {
-    /// The id of its binding.
-    type Binding = u64;
+/// A range of a host's buffer that is bound as a whole.
+#[derive(Debug)]
+pub struct BoundBuffer {
+    pub(super) id: u64,
+    pub(super) buffer: wgpu::Buffer,
+    pub(super) range: Range<u64>,
+    pub(super) group: wgpu::BindGroup,
+}
 
-    fn binding(&self) -> u64 {
-        self.bound.id
-    }
+/// The bindings of all targets.
+#[derive(Default)]
+pub(super) struct BoundBuffers {
+    all: Vec<Weak<BoundBuffer>>,
+    last_id: u64,
+}
 
-    fn state(&self) -> &TargetState {
-        &self.state
-    }
-
-    fn state_mut(&mut self) -> &mut TargetState {
-        &mut self.state
+impl BoundBuffers {
+    /// Returns a binding of the buffer that holds these bytes.
+    pub(super) fn binding(
+        &mut self,
+        (gpu, pipelines): (&WgpuDevice, &WgpuPipelines),
+        buffer: &wgpu::Buffer,
+        bytes: &Range<u64>,
+    ) -> Result<Arc<BoundBuffer>, Error> {
+        self.all.retain(|w| w.strong_count() > 0);
+        let holds = |r: &Range<u64>| r.start <= bytes.start && bytes.end <= r.end;
+        let mut alive = self.all.iter().filter_map(Weak::upgrade);
+        if let Some(bound) = alive.find(|b| b.buffer == *buffer && holds(&b.range)) {
+            return Ok(bound);
+        }
+        let range = binding_range(buffer.size(), bytes, &gpu.binding_limits())?;
+        let size = NonZero::new(range.end - range.start);
+        let binding = wgpu::BufferBinding { buffer, offset: range.start, size };
+        let group = gpu.bind_group(&pipelines.one, &[binding])?;
+        self.last_id += 1;
+        let bound = Arc::new(BoundBuffer { id: self.last_id, buffer: buffer.clone(), range, group });
+        self.all.push(Arc::downgrade(&bound));
+        Ok(bound)
     }
 }

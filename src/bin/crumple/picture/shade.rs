@@ -59,10 +59,7 @@ pub enum Finish<'a> {
     /// The values of the body's vertices are indices of these. A body without any has blue paint.
     Coats(&'a [Coat]),
     /// Colours of values from 0 to `maximum`, m.
-    Heat {
-        colour: &'a (dyn Fn(f32) -> Light + Sync),
-        maximum: f32,
-    },
+    Heat { colour: &'a (dyn Fn(f32) -> Light + Sync), maximum: f32 },
 }
 
 impl<'a> Studio<'a> {
