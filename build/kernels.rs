@@ -35,7 +35,6 @@ pub fn build() {
     let (mut vulkan, mut wgpu) = (String::new(), String::new());
     for (source, overrides) in SOURCES {
         let text = common.clone() + &read(source);
-        let text = layout::loaders(&module, &text) + &text;
         let built = |text: &str, name: &str| {
             let (bytes, constant) = variants(text, name, overrides);
             write(format!("{name}.spv"), &bytes);

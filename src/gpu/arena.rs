@@ -1,9 +1,8 @@
 //! Meshes on the device. Each set and level of detail is uploaded once, into a few large buffers.
 
 use super::limits::BindingLimits;
-use super::mesh::MeshWords;
-use crate::base::error::{Error, reserve};
-use crate::example::mesh_lod::MeshLod;
+use super::mesh::MeshParts;
+use crate::base::error::Error;
 use crate::example::set::ExampleSet;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Weak};
@@ -35,9 +34,10 @@ struct Chunk<B> {
 pub(crate) struct ResidentMesh {
     pub set: Weak<ExampleSet>,
     pub lod: usize,
-    pub place: MeshWords,
-    /// Id of the chunk that holds it.
+    pub parts: MeshParts,
+    /// Id of the chunk that holds it, and its first word there.
     pub chunk: u32,
+    pub at: u32,
     /// The last frame that reads it, on backends that number frames.
     last_frame: AtomicU64,
 }
@@ -50,15 +50,7 @@ impl ResidentMesh {
 
     /// Bytes from the start of the chunk to the mesh.
     pub(crate) fn offset(&self) -> u64 {
-        4 * u64::from(self.place.at)
-    }
-
-    /// The mesh's words.
-    pub(crate) fn to_words(&self, lod: &MeshLod) -> Result<Vec<u32>, Error> {
-        let mut words = reserve(self.place.total as usize, "a mesh and its examples")?;
-        words.resize(self.place.total as usize, 0);
-        self.place.write(lod, &mut words);
-        Ok(words)
+        4 * u64::from(self.at)
     }
 
     /// Notes that a frame reads the mesh.
@@ -72,30 +64,29 @@ impl<B> Arena<B> {
         Arena { chunks: Vec::new(), meshes: Vec::new(), last_id: 0 }
     }
 
-    /// Returns a mesh of the set. If it is not on the device yet, `upload` has it copied into the chunk's buffer, and `make`
+    /// Returns a mesh of the set. If it is not on the device yet, `upload` has its words copied into the chunk's buffer, and `make`
     /// makes a buffer of a given size in bytes if no chunk has room.
     pub(crate) fn mesh(
         &mut self,
         (set, lod): (&Arc<ExampleSet>, usize),
         limits: &BindingLimits,
         make: impl FnOnce(u64) -> Result<B, Error>,
-        upload: impl FnOnce(&B, &Arc<ResidentMesh>, &MeshLod) -> Result<(), Error>,
+        upload: impl FnOnce(&B, &Arc<ResidentMesh>, Vec<u32>) -> Result<(), Error>,
     ) -> Result<Arc<ResidentMesh>, Error> {
         if let Some(mesh) = self.meshes.iter().find(|m| m.is_of(set) && m.lod == lod) {
             return Ok(mesh.clone());
         }
-        let of_set = set.lod(lod)?;
-        let words = MeshWords::new(of_set, 0).total;
-        let index = match self.chunks.iter().position(|c| c.words - c.used >= words) {
+        let (parts, words) = MeshParts::new(set.lod(lod)?)?;
+        let size = words.len() as u64;
+        let index = match self.chunks.iter().position(|c| c.words - c.used >= size) {
             Some(index) => index,
-            None => self.add_chunk(words, limits, make)?,
+            None => self.add_chunk(size, limits, make)?,
         };
         let chunk = &mut self.chunks[index];
-        let place = MeshWords::new(of_set, chunk.used as u32);
-        let last_frame = AtomicU64::new(0);
-        let mesh = Arc::new(ResidentMesh { set: Arc::downgrade(set), lod, place, chunk: chunk.id, last_frame });
-        upload(&chunk.buffer, &mesh, of_set)?;
-        chunk.used += words;
+        let (set, last_frame) = (Arc::downgrade(set), AtomicU64::new(0));
+        let mesh = Arc::new(ResidentMesh { set, lod, parts, chunk: chunk.id, at: chunk.used as u32, last_frame });
+        upload(&chunk.buffer, &mesh, words)?;
+        chunk.used += size;
         self.meshes.push(mesh.clone());
         Ok(mesh)
     }

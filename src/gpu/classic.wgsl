@@ -13,12 +13,15 @@ fn work_vector(at: u32) -> vec3<f32> {
     return vec3(work_float(at), work_float(at + 1u), work_float(at + 2u));
 }
 
-fn signed(bits: u32, shift: u32, right: u32) -> f32 {
-    return f32(bitcast<i32>(bits << shift) >> right);
+// The `n`-th of whole numbers of one or two bytes.
+fn stored_number(at: u32, width: u32, n: u32) -> f32 {
+    let bit = n * width * 8u;
+    let unused = 32u - width * 8u;
+    return f32(bitcast<i32>((arena[at + (bit >> 5u)] >> (bit & 31u)) << unused) >> unused);
 }
 
-// The stored vector of vertex `v` of a block, in steps. A number has `width` bytes. A bit of `groups` says whether the example
-// stores the numbers of eight vertices.
+// The stored vector of vertex `v` of a block, in steps. A number has `width` bytes; one of four is a float. A bit of `groups` says
+// whether the example stores the numbers of eight vertices.
 fn stored(at: u32, width: u32, groups: u32, v: u32) -> vec3<f32> {
     let group = v >> 3u;
     if ((groups >> group) & 1u) == 0u {
@@ -26,22 +29,10 @@ fn stored(at: u32, width: u32, groups: u32, v: u32) -> vec3<f32> {
     }
     let before = countOneBits(groups & ((1u << group) - 1u));
     let n = 3u * (before * 8u + (v & 7u));
-    if width == 1u {
-        let shift = (n & 3u) * 8u;
-        let low = arena[at + (n >> 2u)];
-        let high = arena[at + ((n + 2u) >> 2u)];
-        let w = select((low >> shift) | (high << ((32u - shift) & 31u)), low, shift == 0u);
-        return vec3(signed(w, 24u, 24u), signed(w, 16u, 24u), signed(w, 8u, 24u));
+    if width == 4u {
+        return arena_vector(at + n);
     }
-    if width == 2u {
-        let a = arena[at + (n >> 1u)];
-        let b = arena[at + (n >> 1u) + 1u];
-        if (n & 1u) == 0u {
-            return vec3(signed(a, 16u, 16u), signed(a, 0u, 16u), signed(b, 16u, 16u));
-        }
-        return vec3(signed(a, 0u, 16u), signed(b, 16u, 16u), signed(b, 0u, 16u));
-    }
-    return arena_vector(at + n);
+    return vec3(stored_number(at, width, n), stored_number(at, width, n + 1u), stored_number(at, width, n + 2u));
 }
 
 // The first word of a block's head, or NONE if the example stores nothing of the block.
@@ -74,6 +65,11 @@ fn set_state(at: u32, v: vec3<f32>) {
     state[at] = bitcast<u32>(v.x);
     state[at + 1u] = bitcast<u32>(v.y);
     state[at + 2u] = bitcast<u32>(v.z);
+}
+
+fn load_classic_hit(row: u32) -> ClassicHit {
+    let r = work[row];
+    return ClassicHit(r.x, bitcast<f32>(r.y), bitcast<f32>(r.z), bitcast<f32>(r.w));
 }
 
 @compute @workgroup_size(128)
@@ -156,11 +152,6 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         if any(shown != base_normal) {
             shown = unit(shown, base_normal);
         }
-        write_normal(out, vertex.index, shown);
-        if TANGENTS && out.tangent_stride != 0u {
-            let at = out.base_tangents + 4u * vertex.index;
-            let tangent = vec4(arena_vector(at), arena_float(at + 3u));
-            write_tangent(out, vertex.index, tangent_of(tangent, base_normal, shown));
-        }
+        write_directions(out, vertex.index, base_normal, shown);
     }
 }

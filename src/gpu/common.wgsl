@@ -17,6 +17,27 @@ var<immediate> call: Call;
 // The host's buffer, or a window of it.
 @group(1) @binding(0) var<storage, read_write> vertices: array<u32>;
 
+fn load_block_work(index: u32) -> BlockWork {
+    let both = work[index >> 1u];
+    let mine = select(both.xy, both.zw, (index & 1u) != 0u);
+    return BlockWork(mine.x, mine.y);
+}
+
+fn load_target_work(index: u32) -> TargetWork {
+    let row = call.targets + index * TARGET_ROWS;
+    let a = work[row];
+    let b = work[row + 1u];
+    let c = work[row + 2u];
+    let bias = bitcast<vec4<f32>>(work[row + 3u]);
+    let scale = work[row + 4u];
+    let d = work[row + 5u];
+    let e = work[row + 6u];
+    return TargetWork(
+        a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w, c.x, c.y, c.z, c.w,
+        bias.xyz, bias.w, bitcast<vec3<f32>>(scale.xyz), scale.w, d.x, d.y, d.z, d.w, e.x, bitcast<f32>(e.y), e.zw,
+    );
+}
+
 fn arena_float(at: u32) -> f32 {
     return bitcast<f32>(arena[at]);
 }
@@ -125,7 +146,7 @@ fn vertex_of(group: vec3<u32>, first: u32) -> Vertex {
     let slot = number >> call.split;
     let wanted = slot < call.count;
     let listed = load_block_work(call.blocks + select(0u, slot, wanted));
-    let out = load_target_work(call.targets + listed.target_index * ROWS_TARGET_WORK);
+    let out = load_target_work(listed.target_index);
     let v = (number & ((1u << call.split) - 1u)) * (BLOCK >> call.split) + first;
     let index = listed.block * BLOCK + v;
     return Vertex(wanted && index < out.vertices, listed.block, v, index, out);
@@ -235,6 +256,16 @@ fn write_tangent(t: TargetWork, vertex: u32, v: vec4<f32>) {
 
 // ------------------------------------------------------------------------------------------------------- a vertex is written
 
+// Writes a vertex's normal, and its tangent, which turns as the normal does.
+fn write_directions(t: TargetWork, vertex: u32, base_normal: vec3<f32>, normal: vec3<f32>) {
+    write_normal(t, vertex, normal);
+    if TANGENTS && t.tangent_stride != 0u {
+        let at = t.base_tangents + 4u * vertex;
+        let tangent = vec4(arena_vector(at), arena_float(at + 3u));
+        write_tangent(t, vertex, tangent_of(tangent, base_normal, normal));
+    }
+}
+
 // The unit vector along `n + change`; `n` itself if the `sum` of changes is zero.
 fn normal_of(n: vec3<f32>, sum: vec3<f32>, change: vec3<f32>) -> vec3<f32> {
     let v = n + change;
@@ -265,12 +296,6 @@ fn write_vertex(vertex: Vertex, base: vec3<f32>, base_normal: vec3<f32>, s: vec3
     }
     write_position(out, vertex.index, base + u);
     if NORMALS {
-        let normal = normal_of(base_normal, turn, change);
-        write_normal(out, vertex.index, normal);
-        if TANGENTS && out.tangent_stride != 0u {
-            let at = out.base_tangents + 4u * vertex.index;
-            let tangent = vec4(arena_vector(at), arena_float(at + 3u));
-            write_tangent(out, vertex.index, tangent_of(tangent, base_normal, normal));
-        }
+        write_directions(out, vertex.index, base_normal, normal_of(base_normal, turn, change));
     }
 }

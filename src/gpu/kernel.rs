@@ -1,4 +1,4 @@
-//! The kernels, and the variants in which they are compiled.
+//! The kernels, the variants in which they are compiled, and their SPIR-V.
 
 use super::BLOCK_VERTICES;
 
@@ -38,13 +38,15 @@ impl Variant {
     /// All variants, in the order of their numbers.
     #[cfg(feature = "vulkan")]
     pub(crate) fn all() -> impl Iterator<Item = Variant> {
-        let cases = [Case::Nodes, Case::Classic].into_iter();
-        let both = [false, true].into_iter().flat_map(move |packed| cases.clone().map(move |case| (packed, case)));
         let kernels = [Kernel::Positions, Kernel::Normals, Kernel::Tangents];
-        both.flat_map(move |(packed, case)| kernels.map(|kernel| Variant { kernel, case, packed }))
+        (0..12).map(move |n| {
+            let case = if n / 3 % 2 == 0 { Case::Nodes } else { Case::Classic };
+            Variant { kernel: kernels[n % 3], case, packed: n >= 6 }
+        })
     }
 
     /// Index among all variants.
+    #[cfg(feature = "vulkan")]
     pub(crate) fn number(self) -> usize {
         self.kernel as usize + 3 * self.case as usize + 6 * usize::from(self.packed)
     }
@@ -79,6 +81,45 @@ impl Variant {
             "TANGENTS" => self.kernel == Kernel::Tangents,
             _ => self.packed,
         }
+    }
+}
+
+/// In the order of [`Variant::source`].
+#[cfg(feature = "vulkan")]
+const MODULES: [Module; 2] = include!(concat!(env!("OUT_DIR"), "/vulkan_modules.rs"));
+
+/// Returns the SPIR-V of a variant for hosts that ask for so many invocations a workgroup.
+#[cfg(feature = "vulkan")]
+pub(crate) fn compiled(variant: Variant, invocations: u32) -> Vec<u32> {
+    MODULES[variant.source()].compiled(variant, variant.invocations(invocations))
+}
+
+/// The SPIR-V of a source.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Module {
+    /// With all overrides on.
+    pub words: &'static [u8],
+    /// For each override the words to change where it is off: index and value.
+    pub off: &'static [(&'static str, &'static [(u32, u32)])],
+}
+
+impl Module {
+    /// Returns the words of a variant with this number of invocations a workgroup.
+    pub(crate) fn compiled(&self, variant: Variant, invocations: u32) -> Vec<u32> {
+        const HEADER: usize = 5;
+        const EXECUTION_MODE: u32 = 16;
+        let bytes = self.words.chunks_exact(4);
+        let mut words: Vec<u32> = bytes.map(|w| u32::from_le_bytes([w[0], w[1], w[2], w[3]])).collect();
+        for (_, changes) in self.off.iter().filter(|(name, _)| !variant.on(name)) {
+            changes.iter().for_each(|(at, word)| words[*at as usize] = *word);
+        }
+        let mut at = HEADER;
+        while words[at] & 0xFFFF != EXECUTION_MODE {
+            at += (words[at] >> 16) as usize;
+        }
+        // LocalSize: entry point, mode, x, y, z.
+        words[at + 3] = invocations;
+        words
     }
 }
 

@@ -1,5 +1,4 @@
-// The data that the CPU packs for a frame. build/layout.rs checks that the structs of src/gpu/layout.rs have these members at
-// these offsets, defines the constants in Rust, and generates a `load_…` function for each struct that a kernel reads.
+// The data that the CPU packs for a frame. build/layout.rs writes these constants and structs in Rust.
 //
 // A row is four words, which the kernels read at once. Each struct begins at a row; two `BlockWork` share one.
 
@@ -78,8 +77,12 @@ struct TargetWork {
     gives: u32,
     // First word of the tiles in the arena, and the step of the nodes' displacements, m.
     tiles: u32,
-    @size(12) node_step: f32,
+    node_step: f32,
+    padding: vec2<u32>,
 }
+
+// Rows of a `TargetWork`.
+const TARGET_ROWS = 7u;
 
 // A hit on a body with a classic rule.
 struct ClassicHit {

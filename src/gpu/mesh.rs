@@ -1,19 +1,21 @@
 //! The words of a mesh: its vertices, how they follow nodes, and for a classic rule its examples. They do not change.
 
 use super::layout::NONE;
+use crate::base::error::Error;
+use crate::base::memory::may_fail;
 use crate::basis::{Rows, TILE};
 use crate::example::blocks::DeltaBlocks;
 use crate::example::mesh_lod::MeshLod;
-use bytemuck::cast_slice;
+use bytemuck::{cast_slice, pod_collect_to_vec};
 
 /// Words of the head of an example's block: widths, groups, and the first words of displacements and of changes of normals.
 const HEAD_WORDS: usize = 4;
+/// Words of the head of a tile: `TILE_WORDS` in nodes.wgsl.
+const TILE_WORDS: usize = 5;
 
-/// The first words of the parts of a mesh in a chunk of the arena.
+/// The first words of the parts of a mesh, counted from the mesh.
 #[derive(Debug)]
-pub(crate) struct MeshWords {
-    /// The first of all.
-    pub at: u32,
+pub(crate) struct MeshParts {
     pub positions: u32,
     pub normals: Option<u32>,
     pub tangents: Option<u32>,
@@ -26,76 +28,57 @@ pub(crate) struct MeshWords {
     pub tiles: u32,
     /// The largest sum of a vertex's absolute weights, in units of 1 / [`crate::basis::ONE`].
     pub most: u32,
-    /// Number of words.
-    pub total: u64,
 }
 
-impl MeshWords {
-    /// Lays out a mesh from a word of its chunk on.
-    pub(crate) fn new(lod: &MeshLod, first: u32) -> Self {
-        let mut at = Counter(u64::from(first));
-        let n = lod.vertex_count();
-        MeshWords {
-            at: first,
-            positions: at.take(3 * n),
-            normals: lod.mesh.normals().map(|_| at.take(3 * n)),
-            tangents: lod.mesh.tangents().map(|_| at.take(4 * n)),
-            examples: lod.anchored.iter().map(|a| at.take(numbers_at(lod, a) + 2 * a.words.len())).collect(),
-            limits: lod.mesh.limits().parts().map(|l| (!l.is_empty()).then(|| at.take(l.as_flattened().len() / 2))),
-            tiles: at.take(tile_words_len(&lod.rows)),
-            most: lod.rows.tiles.iter().map(|t| t.most).max().unwrap_or(0),
-            total: at.0 - u64::from(first),
+impl MeshParts {
+    /// Returns the words of a mesh too. Above 2^32 words only their number is right.
+    pub(super) fn new(lod: &MeshLod) -> Result<(Self, Vec<u32>), Error> {
+        let mut words = Vec::new();
+        let mut put = |part: &[u32]| {
+            let at = words.len() as u32;
+            let bytes = 4 * (words.len() + part.len()) as u64;
+            let failed = |_| Error::OutOfMemory { what: "a mesh and its examples".into(), bytes };
+            may_fail(|| words.try_reserve(part.len())).map_err(failed)?;
+            words.extend_from_slice(part);
+            Ok(at)
+        };
+        let mesh = &lod.mesh;
+        let positions = put(cast_slice(mesh.positions()))?;
+        let normals = mesh.normals().map(|n| put(cast_slice(n))).transpose()?;
+        let tangents = mesh.tangents().map(|t| put(cast_slice(t))).transpose()?;
+        let mut examples = Vec::with_capacity(lod.anchored.len());
+        for example in lod.anchored.iter() {
+            examples.push(put(&example_heads(lod.blocks(), example))?);
+            put(cast_slice(&example.words))?;
         }
-    }
-
-    /// Writes the mesh that this was made from to its words.
-    pub(crate) fn write(&self, lod: &MeshLod, to: &mut [u32]) {
-        let mut put = |at: u32, from: &[u32]| to[(at - self.at) as usize..][..from.len()].copy_from_slice(from);
-        put(self.positions, cast_slice(lod.mesh.positions()));
-        if let (Some(at), Some(normals)) = (self.normals, lod.mesh.normals()) {
-            put(at, cast_slice(normals));
+        let mut limits = [None; 2];
+        for (at, halves) in limits.iter_mut().zip(mesh.limits().parts()).filter(|(_, halves)| !halves.is_empty()) {
+            // A file's arrays are aligned for their elements only.
+            *at = Some(put(&pod_collect_to_vec(&halves[..]))?);
         }
-        if let (Some(at), Some(tangents)) = (self.tangents, lod.mesh.tangents()) {
-            put(at, cast_slice(tangents));
-        }
-        for (at, a) in self.examples.iter().zip(&lod.anchored) {
-            let (blocks, numbers) = (lod.blocks(), numbers_at(lod, a));
-            let mut table = vec![NONE; blocks];
-            let mut heads = Vec::with_capacity(numbers - blocks);
-            for h in a.heads.iter() {
-                table[h.block as usize] = (blocks + heads.len()) as u32;
-                let displacements = numbers + 2 * h.at as usize;
-                let normals = displacements + 2 * crate::example::blocks::words(h.groups, h.width);
-                heads.extend([
-                    u32::from(h.width) | u32::from(h.normal_width) << 8,
-                    u32::from(h.groups) | u32::from(h.normal_groups) << 16,
-                    displacements as u32,
-                    normals as u32,
-                ]);
-            }
-            put(*at, &table);
-            put(*at + blocks as u32, &heads);
-            put(*at + numbers as u32, cast_slice(&a.words));
-        }
-        for (at, halves) in self.limits.iter().zip(lod.mesh.limits().parts()) {
-            if let Some(at) = at {
-                // A file's arrays are aligned for their elements only.
-                let words: Vec<u32> = bytemuck::pod_collect_to_vec(&halves[..]);
-                put(*at, &words);
-            }
-        }
-        put(self.tiles, &tile_words(&lod.rows));
+        let tiles = put(&tile_words(&lod.rows))?;
+        let most = lod.rows.tiles.iter().map(|t| t.most).max().unwrap_or(0);
+        Ok((MeshParts { positions, normals, tangents, examples, limits, tiles, most }, words))
     }
 }
 
-/// Words of the head of a tile: `TILE_WORDS` in nodes.wgsl.
-const TILE_WORDS: usize = 5;
-
-fn tile_words_len(rows: &Rows) -> usize {
-    TILE_WORDS * rows.tiles.len()
-        + rows.nodes.len()
-        + (rows.weights.len() + rows.slopes.len()) / 4
-        + rows.slope_units.len()
+/// The words of an example before its numbers.
+fn example_heads(blocks: usize, example: &DeltaBlocks) -> Vec<u32> {
+    let numbers = blocks + HEAD_WORDS * example.heads.len();
+    let mut words = Vec::with_capacity(numbers);
+    words.resize(blocks, NONE);
+    for h in example.heads.iter() {
+        words[h.block as usize] = words.len() as u32;
+        let displacements = numbers + 2 * h.at as usize;
+        let normals = displacements + 2 * crate::example::blocks::words(h.groups, h.width);
+        words.extend([
+            u32::from(h.width) | u32::from(h.normal_width) << 8,
+            u32::from(h.groups) | u32::from(h.normal_groups) << 16,
+            displacements as u32,
+            normals as u32,
+        ]);
+    }
+    words
 }
 
 /// The words of vertices that follow nodes, as nodes.wgsl reads them.
@@ -104,7 +87,7 @@ fn tile_words(rows: &Rows) -> Vec<u32> {
     let weights = nodes + rows.nodes.len();
     let slopes = weights + rows.weights.len() / 4;
     let units = slopes + rows.slopes.len() / 4;
-    let mut words = Vec::with_capacity(tile_words_len(rows));
+    let mut words = Vec::with_capacity(units + rows.slope_units.len());
     for (t, tile) in rows.tiles.iter().enumerate() {
         let first = tile.first as usize;
         let numbers = TILE * first / 4;
@@ -113,24 +96,8 @@ fn tile_words(rows: &Rows) -> Vec<u32> {
     }
     words.extend_from_slice(&rows.nodes);
     // A file's arrays are aligned for their elements only.
-    words.extend(bytemuck::pod_collect_to_vec::<i8, u32>(&rows.weights));
-    words.extend(bytemuck::pod_collect_to_vec::<i8, u32>(&rows.slopes));
+    words.extend(pod_collect_to_vec::<i8, u32>(&rows.weights));
+    words.extend(pod_collect_to_vec::<i8, u32>(&rows.slopes));
     words.extend(rows.slope_units.iter().map(|u| u.to_bits()));
     words
-}
-
-/// Words of an example before its numbers.
-fn numbers_at(lod: &MeshLod, a: &DeltaBlocks) -> usize {
-    lod.blocks() + HEAD_WORDS * a.heads.len()
-}
-
-struct Counter(u64);
-
-impl Counter {
-    /// Returns where the next `words` words begin. Above 2^32 only the total is right.
-    fn take(&mut self, words: usize) -> u32 {
-        let at = self.0 as u32;
-        self.0 += words as u64;
-        at
-    }
 }

@@ -9,7 +9,6 @@ mod layout;
 mod limits;
 mod mesh;
 mod plan;
-mod spirv;
 mod target;
 mod vertices;
 mod work;
@@ -17,17 +16,15 @@ mod work;
 pub use crate::deform::Encoding;
 pub(crate) use arena::{Arena, ResidentMesh};
 pub use format::{Attribute, encode};
-#[cfg(feature = "vulkan")]
-pub(crate) use kernel::Case;
+#[cfg(feature = "wgpu")]
+pub(crate) use kernel::Module;
 pub(crate) use kernel::Variant;
+#[cfg(feature = "vulkan")]
+pub(crate) use kernel::{Case, compiled};
 pub(crate) use layout::Call;
 pub(crate) use limits::{BindingLimits, check_workgroup_size};
 pub(crate) use plan::Plan;
 pub use plan::{FrameReport, Job};
-#[cfg(feature = "wgpu")]
-pub(crate) use spirv::Module;
-#[cfg(feature = "vulkan")]
-pub(crate) use spirv::compiled;
 pub use target::Target;
 pub(crate) use vertices::binding_range;
 pub use vertices::{HostFormat, TargetDef, VertexStream};

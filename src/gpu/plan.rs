@@ -234,10 +234,10 @@ impl<B: Copy + Ord> Plan<B> {
             let what = format!("{vertices} vertices in one frame; at most 4294967295");
             return Err(Error::Unsupported { what });
         }
-        let offsets = self.work.offsets()?;
-        self.words = offsets.words();
+        let (words, lists) = self.work.layout()?;
+        self.words = words;
         for d in &mut self.dispatches {
-            (d.call, d.groups) = offsets.call(&d.blocks, d.variant.vertices(self.workgroup), self.most_groups);
+            (d.call, d.groups) = lists.of(&d.blocks, d.variant.vertices(self.workgroup), self.most_groups);
         }
         Ok(report)
     }

@@ -199,25 +199,3 @@ pub(crate) fn binding_range(size: u64, written: &Range<u64>, limits: &BindingLim
     }
     Err(limits.exceeded(&format!("a target that spans {} bytes", written.end - written.start)))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn streams_that_share_bytes_are_refused() {
-        let stream = |offset, stride| VertexStream { offset, stride, format: Encoding::F32 };
-        let layout = |normals| VertexLayout {
-            streams: [Some(stream(0, 24)), Some(normals), None],
-            scale: [1.0; 3],
-            bias: [0.0; 3],
-        };
-        assert_eq!(layout(stream(12, 24)).check(10, 240).unwrap(), 0..240);
-        assert_eq!(layout(stream(240, 12)).check(10, 360).unwrap(), 0..360);
-        for bad in [stream(8, 24), stream(12, 12), stream(36, 24), stream(20, 24)] {
-            let ok = layout(bad).check(10, 400).is_ok();
-            assert_eq!(ok, bad.offset == 36, "{bad:?}");
-        }
-        assert!(layout(stream(12, 24)).check(10, 239).is_err());
-    }
-}

@@ -10,7 +10,7 @@ use crate::basis::{ONE, TILE};
 use crate::classic::ClassicState;
 use crate::deform::view::{DamageView, NodeSteps, NodeView, Shape, may_reach};
 use crate::example::mesh_lod::MeshLod;
-use bytemuck::{Pod, cast, cast_slice, cast_slice_mut};
+use bytemuck::{Pod, Zeroable, cast, cast_slice, cast_slice_mut};
 use glam::Vec3;
 use std::ops::Range;
 
@@ -29,15 +29,6 @@ pub(super) struct FrameWork {
     parts: Vec<Row>,
     /// States of vertices under a classic rule: position and, where a kernel writes normals, normal.
     states: Vec<[f32; 3]>,
-}
-
-/// First rows of the lists.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct WorkOffsets {
-    targets: usize,
-    parts: usize,
-    states: usize,
-    rows: usize,
 }
 
 /// A target, and the damage that it shows.
@@ -61,22 +52,23 @@ impl FrameWork {
         self.blocks.len()
     }
 
-    /// Where the lists will lie.
+    /// The size of the lists in words, and a call with their first rows.
     ///
     /// # Errors
     /// [`Error::Unsupported`] for 2^32 bytes or more.
-    pub(super) fn offsets(&self) -> Result<WorkOffsets, Error> {
+    pub(super) fn layout(&self) -> Result<(usize, Call), Error> {
         let rows = |bytes: usize| bytes.div_ceil(size_of::<Row>());
         let targets = rows(size_of_val(&self.blocks[..]));
         let parts = targets + rows(size_of_val(&self.targets[..]));
         let states = parts + self.parts.len();
-        let offsets = WorkOffsets { targets, parts, states, rows: states + rows(size_of_val(&self.states[..])) };
-        let bytes = 4 * offsets.words() as u64;
+        let words = ROW_WORDS * (states + rows(size_of_val(&self.states[..])));
+        let bytes = 4 * words as u64;
         if bytes > u64::from(u32::MAX) {
             let what = format!("{bytes} bytes for the work of a frame; at most 4294967295");
             return Err(Error::Unsupported { what });
         }
-        Ok(offsets)
+        let [targets, parts, states] = [targets, parts, states].map(|row| row as u32);
+        Ok((words, Call { targets, parts, states, ..Call::zeroed() }))
     }
 
     /// Writes the lists one after another, each from a row on.
@@ -127,7 +119,7 @@ impl FrameWork {
         }
         // The kernel counts rows from the body's first node on.
         let begin = (begin as u32).wrapping_sub(first);
-        let longest = f32::from(nodes.farthest) * nodes.step * (shown.target.mesh.place.most as f32 / ONE as f32);
+        let longest = f32::from(nodes.farthest) * nodes.step * (shown.target.mesh.parts.most as f32 / ONE as f32);
         let limit = Some(shown.view.depth_limit).filter(|limit| may_reach(longest, *limit));
         let flags = if limit.is_some() { LIMITED } else { 0 };
         self.add_target(shown, (begin, longest), (flags, limit.unwrap_or(0.0), NONE));
@@ -153,7 +145,7 @@ impl FrameWork {
                 for hit in hits {
                     let steps = mesh.anchored[hit.example as usize].steps;
                     self.parts.push(cast(ClassicHit {
-                        example: target.mesh.place.examples[hit.example as usize],
+                        example: target.mesh.at + target.mesh.parts.examples[hit.example as usize],
                         position_step: steps.position,
                         normal_step: steps.normal,
                         weight: hit.weight,
@@ -186,7 +178,8 @@ impl FrameWork {
         (flags, limit, given_state): (u32, f32, u32),
     ) {
         let TargetState { mesh, layout, first, .. } = shown.target;
-        let place = &mesh.place;
+        let parts = &mesh.parts;
+        let at = |part: u32| mesh.at + part;
         let word = |bytes: u64| (bytes / 4) as u32;
         let stream = |s: Option<VertexStream<Encoding>>| {
             s.map_or((0, 0, 0), |s| (word(first.wrapping_add(s.offset)), word(s.stride), s.format as u32))
@@ -196,13 +189,13 @@ impl FrameWork {
         let (normal_at, normal_stride, normal_format) = normals;
         let (tangent_at, tangent_stride, tangent_format) = tangents;
         // A kernel may read an attribute that the target does not have; it writes none of it.
-        let base_positions = place.positions;
+        let base_positions = at(parts.positions);
         let reached = shown.mesh.mesh.limits().least().iter().any(|least| may_reach(longest, *least));
-        let [depths, gives] = place.limits.map(|at| at.filter(|_| reached).unwrap_or(NONE));
+        let [depths, gives] = parts.limits.map(|part| part.filter(|_| reached).map_or(NONE, at));
         self.targets.push(TargetWork {
             base_positions,
-            base_normals: place.normals.unwrap_or(base_positions),
-            base_tangents: place.tangents.unwrap_or(base_positions),
+            base_normals: parts.normals.map_or(base_positions, at),
+            base_tangents: parts.tangents.map_or(base_positions, at),
             position_at,
             position_stride,
             normal_at,
@@ -220,35 +213,21 @@ impl FrameWork {
             given_state,
             depths,
             gives,
-            tiles: place.tiles,
+            tiles: at(parts.tiles),
             node_step: if let Shape::Nodes(nodes) = shown.view.shape { nodes.step } else { 0.0 },
             padding: [0; 2],
         });
     }
 }
 
-impl WorkOffsets {
-    /// Size of the lists in words.
-    pub(super) fn words(&self) -> usize {
-        ROW_WORDS * self.rows
-    }
-
+impl Call {
     /// The call of a dispatch that writes these blocks with so many vertices a workgroup, and its workgroups: how many in a row, at
     /// most `most`, and rows.
-    pub(super) fn call(&self, blocks: &Range<usize>, vertices: u32, most: u32) -> (Call, [u32; 2]) {
+    pub(super) fn of(self, blocks: &Range<usize>, vertices: u32, most: u32) -> (Call, [u32; 2]) {
         // The plan has checked that there are less than 2^32 vertices.
         let (count, split) = (blocks.len() as u32, (BLOCK_VERTICES / vertices).ilog2());
         let groups = count << split;
-        let across = groups.min(most);
-        let call = Call {
-            blocks: blocks.start as u32,
-            targets: self.targets as u32,
-            parts: self.parts as u32,
-            states: self.states as u32,
-            row: across,
-            count,
-            split,
-        };
-        (call, [across, groups.div_ceil(across)])
+        let row = groups.min(most);
+        (Call { blocks: blocks.start as u32, row, count, split, ..self }, [row, groups.div_ceil(row)])
     }
 }

@@ -145,9 +145,9 @@ impl Graph {
         self.free_meshes();
         let uploads = &mut self.uploads;
         uploads.try_reserve(1).map_err(|_| Error::OutOfMemory { what: "one more upload".into(), bytes: 0 })?;
-        let mesh = self.arena.mesh((set, def.lod), &STORAGE, Ok, |storage_size, mesh, lod| {
+        let mesh = self.arena.mesh((set, def.lod), &STORAGE, Ok, |storage_size, mesh, words| {
             let (storage, storage_size, offset) = (mesh.chunk, *storage_size, mesh.offset());
-            uploads.push(Upload { storage, storage_size, offset, words: mesh.to_words(lod)? });
+            uploads.push(Upload { storage, storage_size, offset, words });
             Ok(())
         })?;
         Ok(Target::new(self.plan.id, (layout, def.offset), mesh, (def.buffer.number, ())))

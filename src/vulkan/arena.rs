@@ -34,10 +34,9 @@ impl MeshArena {
         lod: usize,
     ) -> Result<Arc<ResidentMesh>, Error> {
         let make = |bytes| OwnBuffer::new(gpu, bytes, BufferUse::Storage);
-        self.arena.mesh((set, lod), &gpu.binding_limits(), make, |_, mesh, lod| {
-            let words = mesh.place.total;
-            let mut staging = OwnBuffer::new(gpu, 4 * words, BufferUse::Staging)?;
-            staging.write(words as usize, |to| mesh.place.write(lod, to))?;
+        self.arena.mesh((set, lod), &gpu.binding_limits(), make, |_, mesh, words| {
+            let mut staging = OwnBuffer::new(gpu, 4 * words.len() as u64, BufferUse::Staging)?;
+            staging.write(words.len(), |to| to.copy_from_slice(&words))?;
             self.uploads.push(StagedMesh { mesh: Arc::downgrade(mesh), staging, recorded: None });
             Ok(())
         })

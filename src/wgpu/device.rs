@@ -122,8 +122,7 @@ impl Device {
         }
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
         let make = |bytes| gpu.buffer("meshes and examples", bytes, usage);
-        self.arena.mesh((set, lod), &limits, make, |chunk, mesh, lod| {
-            let words = mesh.to_words(lod)?;
+        self.arena.mesh((set, lod), &limits, make, |chunk, mesh, words| {
             let bytes: &[u8] = bytemuck::cast_slice(&words);
             gpu.checked("uploading a mesh and its examples", bytes.len() as u64, || {
                 gpu.queue.write_buffer(chunk, mesh.offset(), bytes)
