@@ -9,9 +9,9 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use std::path::Path;
 use std::{env, fs};
 
-/// Each source, and its overrides: what some variants of the kernel cannot do.
-const SOURCES: [(&str, &[&str]); 2] =
-    [("nodes", &["NORMALS", "TANGENTS", "PACKED"]), ("classic", &["NORMALS", "TANGENTS", "PACKED"])];
+const SOURCES: [&str; 2] = ["nodes", "classic"];
+/// What some variants of the kernels cannot do.
+const OVERRIDES: [&str; 3] = ["NORMALS", "TANGENTS", "PACKED"];
 
 const IMMEDIATE: &str = "var<immediate> call: Call;";
 const UNIFORM: &str = "@group(0) @binding(2) var<uniform> call: Call;";
@@ -33,10 +33,10 @@ pub fn build() {
     let common = declared + &read("common");
     assert!(common.contains(IMMEDIATE), "src/gpu/common.wgsl does not declare: {IMMEDIATE}");
     let (mut vulkan, mut wgpu) = (String::new(), String::new());
-    for (source, overrides) in SOURCES {
+    for source in SOURCES {
         let text = common.clone() + &read(source);
         let built = |text: &str, name: &str| {
-            let (bytes, constant) = variants(text, name, overrides);
+            let (bytes, constant) = variants(text, name);
             write(format!("{name}.spv"), &bytes);
             constant
         };
@@ -55,11 +55,11 @@ pub fn build() {
 }
 
 /// The SPIR-V with all overrides on, and a `Module` in Rust: the file, and for each override the words that differ without it.
-fn variants(text: &str, name: &str, overrides: &[&str]) -> (Vec<u8>, String) {
-    let all = compile(text, overrides);
+fn variants(text: &str, name: &str) -> (Vec<u8>, String) {
+    let all = compile(text, &OVERRIDES);
     let mut off = String::new();
-    for one in overrides {
-        let others: Vec<&str> = overrides.iter().copied().filter(|o| o != one).collect();
+    for one in OVERRIDES {
+        let others: Vec<&str> = OVERRIDES.into_iter().filter(|o| *o != one).collect();
         let without = compile(text, &others);
         assert_eq!(all.len(), without.len(), "{name}: {one} changes more than the values of words");
         let changed = all.iter().zip(&without).enumerate().filter(|(_, (a, b))| a != b);

@@ -254,8 +254,6 @@ fn write_tangent(t: TargetWork, vertex: u32, v: vec4<f32>) {
     }
 }
 
-// ------------------------------------------------------------------------------------------------------- a vertex is written
-
 // Writes a vertex's normal, and its tangent, which turns as the normal does.
 fn write_directions(t: TargetWork, vertex: u32, base_normal: vec3<f32>, normal: vec3<f32>) {
     write_normal(t, vertex, normal);
@@ -263,39 +261,5 @@ fn write_directions(t: TargetWork, vertex: u32, base_normal: vec3<f32>, normal: 
         let at = t.base_tangents + 4u * vertex;
         let tangent = vec4(arena_vector(at), arena_float(at + 3u));
         write_tangent(t, vertex, tangent_of(tangent, base_normal, normal));
-    }
-}
-
-// The unit vector along `n + change`; `n` itself if the `sum` of changes is zero.
-fn normal_of(n: vec3<f32>, sum: vec3<f32>, change: vec3<f32>) -> vec3<f32> {
-    let v = n + change;
-    let square = dot3(v, v);
-    if all(sum == vec3(0.0)) || !(square > 1e-12 && square < 1e38) {
-        return n;
-    }
-    return v * (1.0 / sqrt(square));
-}
-
-// Writes a vertex that is displaced by `s` and whose normal changes by `turn`, both before its limits.
-fn write_vertex(vertex: Vertex, base: vec3<f32>, base_normal: vec3<f32>, s: vec3<f32>, turn: vec3<f32>) {
-    let out = vertex.out;
-    var u = s;
-    var change = turn;
-    let limited = (out.flags & LIMITED) != 0u;
-    if limited || out.depths != NONE || out.gives != NONE {
-        let length = maximum(sqrt(dot3(u, u)), LEAST_LENGTH);
-        var allowed = within_own_limits(out, vertex.index, length);
-        if limited {
-            allowed = minimum(out.limit, allowed);
-        }
-        if length > allowed {
-            let factor = allowed / length;
-            u = u * factor;
-            change = change * factor;
-        }
-    }
-    write_position(out, vertex.index, base + u);
-    if NORMALS {
-        write_directions(out, vertex.index, base_normal, normal_of(base_normal, turn, change));
     }
 }

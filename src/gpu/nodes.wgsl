@@ -68,13 +68,23 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
 }
 
+// The unit vector along `n + change`; `n` itself if the `sum` of changes is zero.
+fn normal_of(n: vec3<f32>, sum: vec3<f32>, change: vec3<f32>) -> vec3<f32> {
+    let v = n + change;
+    let square = dot3(v, v);
+    if all(sum == vec3(0.0)) || !(square > 1e-12 && square < 1e38) {
+        return n;
+    }
+    return v * (1.0 / sqrt(square));
+}
+
 // Writes a vertex; the unit of its slopes (1/m) is at `slope_unit`.
 fn write(vertex: Vertex, sums: Sums, slope_unit: u32) {
     let out = vertex.out;
     let base = arena_vector(out.base_positions + 3u * vertex.index);
-    let s = vec3<f32>(sums.moved) * (out.node_step * WEIGHT);
+    var u = vec3<f32>(sums.moved) * (out.node_step * WEIGHT);
     var n = vec3(0.0);
-    var change = vec3(0.0);
+    var turn = vec3(0.0);
     if NORMALS {
         n = arena_vector(out.base_normals + 3u * vertex.index);
         let unit = out.node_step * arena_float(slope_unit);
@@ -87,7 +97,24 @@ fn write(vertex: Vertex, sums: Sums, slope_unit: u32) {
         let sx = sign * n.x;
         let x = vec3(1.0 + sx * n.x * c, sign * d, 0.0 - sx);
         let y = vec3(d, sign + n.y * n.y * c, 0.0 - n.y);
-        change = cross3(x, b) + cross3(a, y) + cross3(a, b);
+        turn = cross3(x, b) + cross3(a, y) + cross3(a, b);
     }
-    write_vertex(vertex, base, n, s, change);
+    var change = turn;
+    let limited = (out.flags & LIMITED) != 0u;
+    if limited || out.depths != NONE || out.gives != NONE {
+        let length = maximum(sqrt(dot3(u, u)), LEAST_LENGTH);
+        var allowed = within_own_limits(out, vertex.index, length);
+        if limited {
+            allowed = minimum(out.limit, allowed);
+        }
+        if length > allowed {
+            let factor = allowed / length;
+            u = u * factor;
+            change = change * factor;
+        }
+    }
+    write_position(out, vertex.index, base + u);
+    if NORMALS {
+        write_directions(out, vertex.index, n, normal_of(n, turn, change));
+    }
 }

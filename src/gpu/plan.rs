@@ -45,10 +45,10 @@ pub struct FrameReport {
 /// What the targets of one dispatch have in common. (A dispatch for targets with packed and unpacked outputs would
 /// need a variant that none of them has.)
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct DispatchKey<B> {
-    binding: B,
-    /// The arena's chunk.
-    chunk: u32,
+pub(crate) struct DispatchKey<B> {
+    pub binding: B,
+    /// The arena's chunk that it reads.
+    pub chunk: u32,
     packed: bool,
     /// The job, for an instance with a classic rule: no other has its state.
     classic: Option<u32>,
@@ -57,7 +57,7 @@ struct DispatchKey<B> {
 /// A dispatch.
 #[derive(Debug)]
 pub(crate) struct Dispatch<B> {
-    key: DispatchKey<B>,
+    pub key: DispatchKey<B>,
     /// The first of its jobs.
     pub job: usize,
     pub variant: Variant,
@@ -67,17 +67,7 @@ pub(crate) struct Dispatch<B> {
     pub groups: [u32; 2],
 }
 
-impl<B: Copy> Dispatch<B> {
-    #[cfg(feature = "vulkan")]
-    pub(crate) fn binding(&self) -> B {
-        self.key.binding
-    }
-
-    /// Id of the arena's chunk that it reads.
-    pub(crate) fn chunk(&self) -> u32 {
-        self.key.chunk
-    }
-
+impl<B> Dispatch<B> {
     pub(crate) fn classic(&self) -> bool {
         self.variant.case == Case::Classic
     }
@@ -106,10 +96,11 @@ pub(crate) struct Plan<B> {
     most_groups: u32,
     work: FrameWork,
     /// Size of the frame's data in words.
-    words: usize,
+    pub words: usize,
     waiting: Vec<Due>,
     jobs: Vec<PlannedJob<B>>,
-    dispatches: Vec<Dispatch<B>>,
+    /// Those with one binding lie side by side.
+    pub dispatches: Vec<Dispatch<B>>,
 }
 
 impl<B: Copy + Ord> Plan<B> {
@@ -250,17 +241,7 @@ impl<B: Copy + Ord> Plan<B> {
         self.waiting = waiting(self.budget, states.zip(&views).map(|(s, view)| (&s.tracker, view, s.mesh.lod)));
     }
 
-    /// The dispatches. Those with one binding lie side by side.
-    pub(crate) fn dispatches(&self) -> &[Dispatch<B>] {
-        &self.dispatches
-    }
-
-    /// Size of the frame's data in words.
-    pub(crate) fn words(&self) -> usize {
-        self.words
-    }
-
-    /// Writes the frame's data: [`Plan::words`] words.
+    /// Writes the frame's data.
     pub(crate) fn write(&self, to: &mut [u32]) {
         self.work.write(to);
     }

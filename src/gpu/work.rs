@@ -47,11 +47,6 @@ impl FrameWork {
         self.states.clear();
     }
 
-    /// Number of blocks so far.
-    pub(super) fn blocks(&self) -> usize {
-        self.blocks.len()
-    }
-
     /// The size of the lists in words, and a call with their first rows.
     ///
     /// # Errors
@@ -89,9 +84,9 @@ impl FrameWork {
     /// Adds blocks of the next target. Returns their indices among all.
     pub(super) fn add_blocks(&mut self, blocks: impl Iterator<Item = usize>) -> Range<usize> {
         let target_index = self.targets.len() as u32;
-        let before = self.blocks();
+        let before = self.blocks.len();
         self.blocks.extend(blocks.map(|block| BlockWork { target_index, block: block as u32 }));
-        before..self.blocks()
+        before..self.blocks.len()
     }
 
     /// The blocks at these indices, as they were added.

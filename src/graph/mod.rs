@@ -113,15 +113,14 @@ pub struct Graph {
     arena: Arena<u64>,
     plan: Plan<u64>,
     passes: Passes,
-    /// Uploads, and storages that are no longer needed, since the last plan.
-    uploads: Vec<Upload>,
-    freed: Vec<u32>,
+    /// The next passes: so far uploads, and storages that are no longer needed.
+    next: Passes,
 }
 
 impl Default for Graph {
     fn default() -> Self {
-        let (arena, plan, passes) = (Arena::new(), Plan::new(WORKGROUP, MOST_GROUPS), Passes::default());
-        Graph { arena, plan, passes, uploads: Vec::new(), freed: Vec::new() }
+        let (passes, next) = Default::default();
+        Graph { arena: Arena::new(), plan: Plan::new(WORKGROUP, MOST_GROUPS), passes, next }
     }
 }
 
@@ -143,7 +142,7 @@ impl Graph {
         let mesh = set.lod(def.lod)?;
         let (layout, _) = def.layout(&mesh.mesh, def.buffer.size)?;
         self.free_meshes();
-        let uploads = &mut self.uploads;
+        let uploads = &mut self.next.uploads;
         uploads.try_reserve(1).map_err(|_| Error::OutOfMemory { what: "one more upload".into(), bytes: 0 })?;
         let mesh = self.arena.mesh((set, def.lod), &STORAGE, Ok, |storage_size, mesh, words| {
             let (storage, storage_size, offset) = (mesh.chunk, *storage_size, mesh.offset());
@@ -167,33 +166,34 @@ impl Graph {
         }
         self.free_meshes();
         let mut report = self.plan.fill(jobs)?;
-        let Passes { freed, uploads, work, dispatches } = &mut self.passes;
+        let Passes { uploads, work, dispatches, .. } = &mut self.next;
         work.clear();
         dispatches.clear();
         if report.blocks_written > 0 {
-            let (words, bytes) = (self.plan.words(), 4 * self.plan.words() as u64);
+            let (words, bytes) = (self.plan.words, 4 * self.plan.words as u64);
             let failed = |_| Error::OutOfMemory { what: "the work of a frame".into(), bytes };
             work.try_reserve(words).map_err(failed)?;
             work.resize(words, 0);
             self.plan.write(work);
-            for d in self.plan.dispatches() {
+            for d in &self.plan.dispatches {
                 let mut constants = [0; 8];
                 constants[..7].copy_from_slice(&bytemuck::cast::<Call, [u32; 7]>(d.call));
-                let (kernel, storage, buffer, groups) = (d.variant.number() as u32, d.chunk(), d.binding(), d.groups);
+                let (kernel, storage, buffer, groups) = (d.variant.number(), d.key.chunk, d.key.binding, d.groups);
                 dispatches.push(Dispatch { kernel, storage, buffer, groups, constants });
             }
         }
-        *freed = std::mem::take(&mut self.freed);
-        *uploads = std::mem::take(&mut self.uploads);
         let uploaded: usize = uploads.iter().map(|upload| upload.words.len()).sum();
         report.bytes_copied = 4 * (uploaded + work.len()) as u64;
         report.vertices_written = self.plan.commit(jobs, 0);
+        std::mem::swap(&mut self.passes, &mut self.next);
+        self.next.uploads.clear();
+        self.next.freed.clear();
         Ok((report, &self.passes))
     }
 
     /// Frees meshes that no target shows.
     fn free_meshes(&mut self) {
-        let Graph { arena, uploads, freed, .. } = self;
+        let Graph { arena, next: Passes { uploads, freed, .. }, .. } = self;
         arena.collect(0, |storage| {
             freed.push(storage);
             uploads.retain(|upload| upload.storage != storage);

@@ -1,11 +1,10 @@
 //! The device that hosts use: everything that is made on the VkDevice, and the frames in flight.
 
-use super::arena::MeshArena;
-use super::frames::FrameSlot;
 use super::host_buffers::{BufferDef, BufferId, BufferWindow, HostBuffers};
 use super::memory::OwnBuffer;
 use super::pipelines::{DescriptorSet, VulkanPipelines};
 use super::record::Barriers;
+use super::staging::{FrameSlot, MeshArena};
 use super::target::{ClassicState, Target, TargetBinding, TargetDef};
 use super::vulkan_device::{DeviceDef, VulkanDevice};
 use crate::base::error::Error;

@@ -27,9 +27,7 @@
 //! The host's VkBuffers outlive the frames that write them. The [`Device`] is dropped before the VkDevice is destroyed, and after
 //! [`Device::completed`] was called for all frames. If a frame is in flight, everything that it may use is leaked.
 
-mod arena;
 mod device;
-mod frames;
 mod functions;
 mod host_buffers;
 mod import;
@@ -39,6 +37,7 @@ mod own_handles;
 mod pipelines;
 mod record;
 mod shared;
+mod staging;
 mod target;
 mod vulkan_device;
 

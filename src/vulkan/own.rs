@@ -36,10 +36,10 @@ impl<'a> OwnDeviceDef<'a> {
 
 /// A command buffer, and the fence that it signals.
 struct Submission {
-    frame: u64,
     commands: vk::CommandBuffer,
     fence: vk::Fence,
-    pending: bool,
+    /// The frame that it runs.
+    pending: Option<u64>,
 }
 
 /// A Vulkan device of Crumple's own, beside the host's on the same physical device.
@@ -147,8 +147,7 @@ impl OwnDevice {
             return Err(error);
         }
         self.frame = frame;
-        self.submissions[slot].frame = frame;
-        self.submissions[slot].pending = true;
+        self.submissions[slot].pending = Some(frame);
         Ok((frame, report))
     }
 
@@ -166,8 +165,8 @@ impl OwnDevice {
         if frame > self.frame {
             return Err(Error::invalid("frame", frame, &format!("at most {}, the last submitted", self.frame)));
         }
-        let pending = self.submissions.iter().filter(|s| s.pending && s.frame <= frame).map(|s| s.fence);
-        let fences: Vec<vk::Fence> = pending.collect();
+        let awaited = |s: &&Submission| s.pending.is_some_and(|pending| pending <= frame);
+        let fences: Vec<vk::Fence> = self.submissions.iter().filter(awaited).map(|s| s.fence).collect();
         if !fences.is_empty() {
             // SAFETY: fences of this device.
             match unsafe { self.own.device.wait_for_fences(&fences, true, nanoseconds) } {
@@ -181,13 +180,14 @@ impl OwnDevice {
 
     /// Asks which submissions are done.
     fn poll(&mut self) -> Result<(), Error> {
-        for s in self.submissions.iter_mut().filter(|s| s.pending) {
+        for s in self.submissions.iter_mut().filter(|s| s.pending.is_some()) {
             // SAFETY: a fence of this device.
-            let done = unsafe { self.own.device.get_fence_status(s.fence) };
-            s.pending = !done.map_err(failed("vkGetFenceStatus"))?;
+            if unsafe { self.own.device.get_fence_status(s.fence) }.map_err(failed("vkGetFenceStatus"))? {
+                s.pending = None;
+            }
         }
         // Fences of one queue signal in order.
-        let oldest = self.submissions.iter().filter(|s| s.pending).map(|s| s.frame).min();
+        let oldest = self.submissions.iter().filter_map(|s| s.pending).min();
         self.device.completed(oldest.map_or(self.frame, |frame| frame - 1));
         Ok(())
     }
@@ -204,7 +204,7 @@ impl OwnDevice {
 
     /// A submission that is not pending.
     fn submission(&mut self) -> Result<usize, Error> {
-        if let Some(free) = self.submissions.iter().position(|s| !s.pending) {
+        if let Some(free) = self.submissions.iter().position(|s| s.pending.is_none()) {
             return Ok(free);
         }
         let device = &self.own.device;
@@ -215,7 +215,7 @@ impl OwnDevice {
         // SAFETY: as above.
         let fence =
             unsafe { device.create_fence(&vk::FenceCreateInfo::default(), None) }.map_err(failed("vkCreateFence"))?;
-        self.submissions.push(Submission { frame: 0, commands, fence, pending: false });
+        self.submissions.push(Submission { commands, fence, pending: None });
         Ok(self.submissions.len() - 1)
     }
 }

@@ -27,7 +27,7 @@ pub(super) struct VulkanPipelines {
     cache: vk::PipelineCache,
     /// Invocations a workgroup.
     workgroup: u32,
-    pipelines: BTreeMap<Variant, vk::Pipeline>,
+    pub pipelines: BTreeMap<Variant, vk::Pipeline>,
 }
 
 /// A descriptor set in a pool of its own. It is dropped once no frame uses it.
@@ -99,11 +99,6 @@ impl VulkanPipelines {
         let made = made.map_err(|(_, result)| failed("vkCreateComputePipelines")(result))?;
         entry.insert(made[0]);
         Ok(())
-    }
-
-    /// A pipeline that was added.
-    pub(super) fn get(&self, variant: Variant) -> vk::Pipeline {
-        self.pipelines[&variant]
     }
 
     /// Returns pipeline cache data for the next run.

@@ -1,9 +1,9 @@
 //! Records a frame: copies, barriers and dispatches for what changed.
 
 use super::device::Device;
-use super::frames::FrameSlot;
 use super::host_buffers::BufferId;
 use super::memory::{BufferUse, OwnBuffer};
+use super::staging::FrameSlot;
 use super::target::{ClassicState, Target};
 use super::vulkan_device::VulkanDevice;
 use crate::base::error::Error;
@@ -122,11 +122,11 @@ impl Device {
 
     /// Takes a slot, writes the frame's data into it, and adds the descriptor sets that it lacks.
     fn fill_slot(&mut self) -> Result<usize, Error> {
-        let words = self.plan.words();
+        let words = self.plan.words;
         let index = FrameSlot::free(&mut self.slots, &self.gpu, self.completed, 4 * words as u64)?;
         let slot = &mut self.slots[index];
-        for dispatch in self.plan.dispatches() {
-            let chunk = dispatch.chunk();
+        for dispatch in &self.plan.dispatches {
+            let chunk = dispatch.key.chunk;
             slot.add_set(&self.pipelines, chunk, self.arena.buffer(chunk))?;
         }
         slot.staging.write(words, |to| self.plan.write(to))?;
@@ -151,7 +151,7 @@ impl Device {
             bytes_copied = self.copies((commands, frame), slot);
         }
         self.barriers_of_buffers(frame)?;
-        for dispatch in self.plan.dispatches().iter().filter(|d| d.classic()) {
+        for dispatch in self.plan.dispatches.iter().filter(|d| d.classic()) {
             let Some(state) = &jobs[dispatch.job].target.classic else { continue };
             state.last_frame.fetch_max(frame, Ordering::Relaxed);
             let (read, write) = (vk::AccessFlags::SHADER_READ, SHADER_WRITE);
@@ -180,7 +180,7 @@ impl Device {
             before.push(barrier(to, at..at + size, write, read));
         };
         self.arena.record(frame, |staging, chunk, at| copy(staging.handle, chunk.handle, at, staging.size));
-        copy(slot.staging.handle, slot.storage.handle, 0, 4 * self.plan.words() as u64);
+        copy(slot.staging.handle, slot.storage.handle, 0, 4 * self.plan.words as u64);
         total
     }
 
@@ -188,8 +188,8 @@ impl Device {
     fn barriers_of_buffers(&mut self, frame: u64) -> Result<(), Error> {
         let Device { gpu, hosts, plan, barriers: r, .. } = self;
         let mut previous = None;
-        for dispatch in plan.dispatches() {
-            let binding = dispatch.binding();
+        for dispatch in &plan.dispatches {
+            let binding = dispatch.key.binding;
             let host = hosts.get_mut(binding.buffer)?;
             host.used = frame;
             if gpu.foreign(host.def.queue_family) || previous.replace(binding) == Some(binding) {
@@ -222,8 +222,8 @@ impl Device {
     fn dispatches(&self, commands: vk::CommandBuffer, slot: &FrameSlot, jobs: &[RecordJob<'_>]) -> Result<(), Error> {
         let (device, layout) = (&self.gpu.device, self.pipelines.layout);
         let (mut bound, mut previous) = (None, None);
-        for d in self.plan.dispatches() {
-            let binding = d.binding();
+        for d in &self.plan.dispatches {
+            let binding = d.key.binding;
             if previous.replace(binding.handle) == Some(binding.handle) {
                 // These are other vertices of the same buffer. Validation layers cannot know that, and it is rare.
                 let all = [barrier(binding.handle, 0..vk::WHOLE_SIZE, SHADER_WRITE, SHADER_WRITE)];
@@ -231,9 +231,9 @@ impl Device {
             }
             let window = self.hosts.get(binding.buffer)?.windows[binding.window].set.handle;
             let state = jobs[d.job].target.classic.as_ref().filter(|_| d.classic());
-            let sets = [slot.sets[&d.chunk()].handle, window, state.map_or(window, |s| s.set)];
+            let sets = [slot.sets[&d.key.chunk].handle, window, state.map_or(window, |s| s.set)];
             let sets = if d.classic() { &sets[..] } else { &sets[..2] };
-            let pipeline = self.pipelines.get(d.variant);
+            let pipeline = self.pipelines.pipelines[&d.variant];
             let (point, compute) = (vk::PipelineBindPoint::COMPUTE, vk::ShaderStageFlags::COMPUTE);
             // SAFETY: as above. The handles are alive until the frame is done.
             unsafe {

@@ -1,13 +1,12 @@
 //! Wraps an engine's Vulkan device and buffers for wgpu. The engine keeps owning them.
 
 use super::device::Device;
-use super::headless::{exact, listen};
-use super::wgpu_device::{DeviceDef, DeviceEvents, one_line};
+use super::headless::{descriptor, exact};
+use super::wgpu_device::{DeviceDef, one_line};
 use crate::base::error::Error;
 use ash::khr;
 use ash::vk::{self, Handle};
 use std::ffi::CStr;
-use std::sync::{Arc, Mutex};
 use wgpu::hal;
 
 type Vulkan = hal::api::Vulkan;
@@ -157,21 +156,14 @@ impl Device {
         };
         let call = || "adopting a VkDevice".to_string();
         let open = open.map_err(|e| Error::Wgpu { call: call(), what: e.to_string() })?;
-        let descriptor = wgpu::DeviceDescriptor {
-            label: Some("crumple"),
-            required_features: features,
-            required_limits: limits,
-            ..Default::default()
-        };
+        let descriptor = descriptor(features, limits);
         // SAFETY: of one instance, adapter and device.
         let made = unsafe {
             let adapter = instance.create_adapter_from_hal::<Vulkan>(exposed);
             adapter.create_device_from_hal::<Vulkan>(open, &descriptor)
         };
         let (device, queue) = made.map_err(|e| Error::Wgpu { call: call(), what: one_line(&e.to_string()) })?;
-        let events = Arc::new(Mutex::new(DeviceEvents::default()));
-        listen(&device, &events);
-        Self::with(device, queue, def, Some(events))
+        Self::with(device, queue, def, true)
     }
 
     /// Wraps a VkBuffer of an adopted device, or of any wgpu device on Vulkan, as a buffer for targets. It stays the engine's.

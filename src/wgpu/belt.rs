@@ -21,7 +21,7 @@ pub(super) struct Belt {
     /// A frame's data, and behind it the calls.
     storage: Option<wgpu::Buffer>,
     /// Bind groups of a chunk of the arena and the storage buffer, by chunk.
-    groups: BTreeMap<u32, wgpu::BindGroup>,
+    pub groups: BTreeMap<u32, wgpu::BindGroup>,
 }
 
 impl Belt {
@@ -54,16 +54,6 @@ impl Belt {
             entry.insert(gpu.bind_group(&pipelines.work, &[whole(meshes), whole(storage), call])?);
         }
         Ok(())
-    }
-
-    /// Drops the bind group of a chunk that is no more.
-    pub(super) fn remove_group(&mut self, chunk: u32) {
-        self.groups.remove(&chunk);
-    }
-
-    /// A bind group that was added.
-    pub(super) fn group(&self, chunk: u32) -> Option<&wgpu::BindGroup> {
-        self.groups.get(&chunk)
     }
 
     /// Encodes a copy of the words to the device. There must be room for them.

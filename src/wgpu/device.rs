@@ -4,13 +4,13 @@ use super::belt::Belt;
 use super::pipelines::WgpuPipelines;
 use super::read::Readback;
 use super::target::{BoundBuffers, Target, TargetDef};
-use super::wgpu_device::{DeviceDef, DeviceEvents, WgpuDevice};
+use super::wgpu_device::{DeviceDef, WgpuDevice};
 use crate::base::error::Error;
 use crate::example::set::ExampleSet;
 use crate::gpu::{Arena, Plan, ResidentMesh};
 use std::fmt;
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::sync::{Arc, Mutex};
 
 /// A `wgpu` device that deforms.
 pub struct Device {
@@ -41,16 +41,11 @@ impl Device {
     /// # Errors
     /// [`Error::InvalidArgument`] for a bad workgroup size; [`Error::Unsupported`] for a limit that is too low; [`Error::Wgpu`].
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, def: &DeviceDef) -> Result<Self, Error> {
-        Self::with(device.clone(), queue.clone(), def, None)
+        Self::with(device.clone(), queue.clone(), def, false)
     }
 
-    pub(super) fn with(
-        device: wgpu::Device,
-        queue: wgpu::Queue,
-        def: &DeviceDef,
-        events: Option<Arc<Mutex<DeviceEvents>>>,
-    ) -> Result<Self, Error> {
-        let gpu = WgpuDevice::new(device, queue, def, events)?;
+    pub(super) fn with(device: wgpu::Device, queue: wgpu::Queue, def: &DeviceDef, own: bool) -> Result<Self, Error> {
+        let gpu = WgpuDevice::new(device, queue, def, own)?;
         Ok(Device {
             pipelines: WgpuPipelines::new(&gpu, def.workgroup_size)?,
             plan: Plan::new(def.workgroup_size, gpu.limits.max_compute_workgroups_per_dimension),
@@ -85,7 +80,7 @@ impl Device {
 
     /// Frees meshes that no target shows.
     pub(super) fn free_meshes(&mut self) {
-        self.arena.collect(0, |chunk| self.belt.remove_group(chunk));
+        self.arena.collect(0, |chunk| drop(self.belt.groups.remove(&chunk)));
     }
 
     /// Adds a target: a place for the vertices of one of the set's meshes. The first target of a mesh uploads the mesh and its

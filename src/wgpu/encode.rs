@@ -50,9 +50,9 @@ impl Device {
             self.write_words();
             report.bytes_copied = 4 * self.words.len() as u64;
             self.belt.reserve(&self.gpu, report.bytes_copied)?;
-            for dispatch in self.plan.dispatches() {
+            for dispatch in &self.plan.dispatches {
                 self.pipelines.add(&self.gpu, dispatch.variant)?;
-                let chunk = dispatch.chunk();
+                let chunk = dispatch.key.chunk;
                 self.belt.add_group((&self.gpu, &self.pipelines), chunk, self.arena.buffer(chunk))?;
             }
             self.belt.copy(&self.gpu, encoder, &self.words)?;
@@ -86,17 +86,17 @@ impl Device {
     /// Words of the frame's data before the call of a dispatch.
     fn call_at(&self, dispatch: usize) -> usize {
         let align = self.gpu.limits.min_uniform_buffer_offset_alignment.max(4) as usize / 4;
-        self.plan.words().next_multiple_of(align) + dispatch * CALL_WORDS.next_multiple_of(align)
+        self.plan.words.next_multiple_of(align) + dispatch * CALL_WORDS.next_multiple_of(align)
     }
 
     /// Writes the frame's data and behind it the calls of its dispatches, of which there are some.
     fn write_words(&mut self) {
-        let last = self.call_at(self.plan.dispatches().len() - 1);
+        let last = self.call_at(self.plan.dispatches.len() - 1);
         let mut words = std::mem::take(&mut self.words);
         words.clear();
         words.resize(last + CALL_WORDS, 0);
         self.plan.write(&mut words);
-        for (i, d) in self.plan.dispatches().iter().enumerate() {
+        for (i, d) in self.plan.dispatches.iter().enumerate() {
             words[self.call_at(i)..][..CALL_WORDS].copy_from_slice(cast_ref::<Call, [u32; CALL_WORDS]>(&d.call));
         }
         self.words = words;
@@ -107,21 +107,17 @@ impl Device {
         let descriptor = wgpu::ComputePassDescriptor { label: Some("crumple"), timestamp_writes: None };
         let mut pass = encoder.begin_compute_pass(&descriptor);
         let mut bound: Option<Variant> = None;
-        for (i, d) in self.plan.dispatches().iter().enumerate() {
-            let target = &*jobs[d.job].target;
-            let (Some(pipeline), Some(group)) = (self.pipelines.get(d.variant), self.belt.group(d.chunk())) else {
-                continue;
-            };
+        for (i, d) in self.plan.dispatches.iter().enumerate() {
             if bound.replace(d.variant) != Some(d.variant) {
-                pass.set_pipeline(pipeline);
+                pass.set_pipeline(&self.pipelines.pipelines[&d.variant]);
             }
-            pass.set_bind_group(0, group, &[4 * self.call_at(i) as u32]);
+            let target = &*jobs[d.job].target;
+            pass.set_bind_group(0, &self.belt.groups[&d.key.chunk], &[4 * self.call_at(i) as u32]);
             pass.set_bind_group(1, &target.own.group, &[]);
             if let Some(state) = target.classic.as_ref().filter(|_| d.classic()) {
                 pass.set_bind_group(2, state, &[]);
             }
-            let [across, rows] = d.groups;
-            pass.dispatch_workgroups(across, rows, 1);
+            pass.dispatch_workgroups(d.groups[0], d.groups[1], 1);
         }
     }
 }

@@ -1,9 +1,8 @@
 //! A device of Crumple's own, on any adapter.
 
 use super::device::Device;
-use super::wgpu_device::{DeviceDef, DeviceEvents, now, one_line};
+use super::wgpu_device::{DeviceDef, now, one_line};
 use crate::base::error::Error;
-use std::sync::{Arc, Mutex};
 
 /// The definition of a device of Crumple's own.
 #[derive(Debug, Clone, Copy)]
@@ -49,7 +48,9 @@ impl Device {
     /// [`Error::Wgpu`] if it makes no device; the errors of [`Device::new`].
     pub fn headless(def: &HeadlessDef<'_>) -> Result<Self, Error> {
         let mut adapters = all(def.backends);
-        adapters.sort_by_key(|a| rank(a.get_info().device_type));
+        use wgpu::DeviceType::{Cpu, DiscreteGpu, IntegratedGpu, Other, VirtualGpu};
+        let kinds = [DiscreteGpu, IntegratedGpu, VirtualGpu, Other, Cpu];
+        adapters.sort_by_key(|a| kinds.iter().position(|kind| *kind == a.get_info().device_type));
         let wanted = def.adapter.map(str::to_lowercase);
         let fits = |a: &&wgpu::Adapter| wanted.as_ref().is_none_or(|w| a.get_info().name.to_lowercase().contains(w));
         let Some(adapter) = adapters.iter().find(fits) else {
@@ -64,18 +65,10 @@ impl Device {
             let what = format!("deforming on {}: it has no compute shaders", name(&adapter.get_info()));
             return Err(Error::Unsupported { what });
         }
-        let descriptor = wgpu::DeviceDescriptor {
-            label: Some("crumple"),
-            required_features: exact(adapter.features()),
-            required_limits: adapter.limits(),
-            ..Default::default()
-        };
-        let made = now(adapter.request_device(&descriptor));
+        let made = now(adapter.request_device(&descriptor(adapter.features(), adapter.limits())));
         let (device, queue) =
             made.map_err(|e| Error::Wgpu { call: "requesting a device".into(), what: one_line(&e.to_string()) })?;
-        let events = Arc::new(Mutex::new(DeviceEvents::default()));
-        listen(&device, &events);
-        Self::with(device, queue, &def.device, Some(events))
+        Self::with(device, queue, &def.device, true)
     }
 }
 
@@ -84,30 +77,12 @@ pub(super) fn exact(features: wgpu::Features) -> wgpu::Features {
     features & wgpu::Features::PASSTHROUGH_SHADERS
 }
 
-/// Notes what the device reports outside of calls.
-pub(super) fn listen(device: &wgpu::Device, events: &Arc<Mutex<DeviceEvents>>) {
-    let (errors, losses) = (events.clone(), events.clone());
-    device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| {
-        let mut events = errors.lock().unwrap_or_else(|e| e.into_inner());
-        events.error.get_or_insert_with(|| one_line(&e.to_string()));
-    }));
-    device.set_device_lost_callback(move |reason, message| {
-        let mut events = losses.lock().unwrap_or_else(|e| e.into_inner());
-        events.lost.get_or_insert_with(|| one_line(&format!("{reason:?}: {message}")));
-    });
+/// What to request of wgpu.
+pub(super) fn descriptor(features: wgpu::Features, limits: wgpu::Limits) -> wgpu::DeviceDescriptor<'static> {
+    let (label, required_features, required_limits) = (Some("crumple"), exact(features), limits);
+    wgpu::DeviceDescriptor { label, required_features, required_limits, ..Default::default() }
 }
 
 fn name(info: &wgpu::AdapterInfo) -> String {
     format!("{} ({:?})", info.name, info.backend)
-}
-
-fn rank(kind: wgpu::DeviceType) -> u32 {
-    use wgpu::DeviceType::{Cpu, DiscreteGpu, IntegratedGpu, Other, VirtualGpu};
-    match kind {
-        DiscreteGpu => 0,
-        IntegratedGpu => 1,
-        VirtualGpu => 2,
-        Other => 3,
-        Cpu => 4,
-    }
 }

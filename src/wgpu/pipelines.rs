@@ -30,7 +30,7 @@ pub(super) struct WgpuPipelines {
     layouts: [wgpu::PipelineLayout; 2],
     /// Invocations a workgroup.
     workgroup: u32,
-    pipelines: BTreeMap<Variant, wgpu::ComputePipeline>,
+    pub pipelines: BTreeMap<Variant, wgpu::ComputePipeline>,
 }
 
 impl WgpuPipelines {
@@ -106,11 +106,6 @@ impl WgpuPipelines {
         })?;
         pipeline.insert(made);
         Ok(())
-    }
-
-    /// A pipeline that was added.
-    pub(super) fn get(&self, variant: Variant) -> Option<&wgpu::ComputePipeline> {
-        self.pipelines.get(&variant)
     }
 }
 

@@ -7,7 +7,7 @@ use crate::base::error::{Error, reserve};
 use crate::base::strided::Strided;
 use crate::deform::VertexMemory;
 use crate::example::set::ExampleSet;
-use crate::gpu::{Attribute, Encoding};
+use crate::gpu::{Attribute, Encoding, VertexStream};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -59,39 +59,29 @@ impl Device {
         let wanted = [true, memory.has_normals(), memory.has_tangents()];
         let (mut streams, mut end) = ([None; 3], 0);
         for (i, attribute) in Attribute::ALL.into_iter().enumerate().filter(|(i, _)| wanted[*i]) {
-            let name = attribute.plural();
-            streams[i] = match target.state.layout.streams[i] {
-                Some(s) if s.format == Encoding::F32 => Some(s),
-                Some(s) => {
-                    return Err(Error::Unsupported {
-                        what: format!("reading {name} from {:?}: only floats", s.format),
-                    });
-                }
-                None => {
-                    return Err(Error::Unsupported { what: format!("reading {name}, which the target does not have") });
-                }
+            let refused = |why| Error::Unsupported { what: format!("reading {}{why}", attribute.plural()) };
+            let Some(s) = target.state.layout.streams[i] else {
+                return Err(refused(", which the target does not have".to_owned()));
             };
-            end = end.max(streams[i].map_or(0, |s| s.strided(attribute, count).span().end));
+            if s.format != Encoding::F32 {
+                return Err(refused(format!(" from {:?}: only floats", s.format)));
+            }
+            streams[i] = Some(s);
+            end = end.max(s.strided(attribute, count).span().end);
         }
         let mut all = reserve::<u32>(end as usize / 4, "a target's vertices")?;
         all.resize(end as usize / 4, 0);
         let offset = target.own.range.start.wrapping_add(target.state.first);
         self.read(target.buffer(), offset, bytemuck::cast_slice_mut(&mut all))?;
         for v in 0..count {
-            let value = |attribute: usize, i: u64| {
-                streams[attribute]
-                    .map_or(0.0, |s| f32::from_bits(all[((s.offset + v as u64 * s.stride) / 4 + i) as usize]))
-            };
-            let three = |attribute| [0, 1, 2].map(|i| value(attribute, i));
+            let value =
+                |s: VertexStream<Encoding>, i| f32::from_bits(all[(s.offset + v as u64 * s.stride) as usize / 4 + i]);
+            let three = |s| [0, 1, 2].map(|i| value(s, i));
             // SAFETY: the memory has room for all vertices, and only this function borrows it.
             unsafe {
-                memory.write_positions(v, &three(0));
-                if streams[1].is_some() {
-                    memory.write_normals(v, &three(1));
-                }
-                if streams[2].is_some() {
-                    memory.write_tangent(v, [0, 1, 2, 3].map(|i| value(2, i)).into());
-                }
+                streams[0].into_iter().for_each(|s| memory.write_positions(v, &three(s)));
+                streams[1].into_iter().for_each(|s| memory.write_normals(v, &three(s)));
+                streams[2].into_iter().for_each(|s| memory.write_tangent(v, [0, 1, 2, 3].map(|i| value(s, i)).into()));
             }
         }
         Ok(())

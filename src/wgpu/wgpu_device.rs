@@ -9,11 +9,11 @@ use std::task::{Context, Poll, Waker};
 
 /// What a device reports outside of calls.
 #[derive(Debug, Default)]
-pub(super) struct DeviceEvents {
+struct DeviceEvents {
     /// The first error that no scope caught.
-    pub error: Option<String>,
+    error: Option<String>,
     /// Why the device is lost.
-    pub lost: Option<String>,
+    lost: Option<String>,
 }
 
 /// How a device is used.
@@ -35,21 +35,17 @@ pub(super) struct WgpuDevice {
     pub queue: wgpu::Queue,
     pub limits: wgpu::Limits,
     /// What the device reports outside of calls. Only devices that were made here are listened to.
-    pub events: Option<Arc<Mutex<DeviceEvents>>>,
+    events: Option<Arc<Mutex<DeviceEvents>>>,
     /// Buffers and bind groups made so far.
     pub made: AtomicU64,
 }
 
 impl WgpuDevice {
-    /// Takes the device if its limits suffice.
-    pub(super) fn new(
-        device: wgpu::Device,
-        queue: wgpu::Queue,
-        def: &DeviceDef,
-        events: Option<Arc<Mutex<DeviceEvents>>>,
-    ) -> Result<Self, Error> {
+    /// Takes the device if its limits suffice. `own` says whether it was made here.
+    pub(super) fn new(device: wgpu::Device, queue: wgpu::Queue, def: &DeviceDef, own: bool) -> Result<Self, Error> {
         let limits = device.limits();
         check(def, &limits)?;
+        let events = own.then(|| listen(&device));
         Ok(WgpuDevice { device, queue, limits, events, made: AtomicU64::new(0) })
     }
 
@@ -113,6 +109,21 @@ impl WgpuDevice {
             None => Ok(()),
         }
     }
+}
+
+/// Notes what the device reports outside of calls.
+fn listen(device: &wgpu::Device) -> Arc<Mutex<DeviceEvents>> {
+    let events = Arc::new(Mutex::new(DeviceEvents::default()));
+    let (errors, losses) = (events.clone(), events.clone());
+    device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| {
+        let mut events = errors.lock().unwrap_or_else(|e| e.into_inner());
+        events.error.get_or_insert_with(|| one_line(&e.to_string()));
+    }));
+    device.set_device_lost_callback(move |reason, message| {
+        let mut events = losses.lock().unwrap_or_else(|e| e.into_inner());
+        events.lost.get_or_insert_with(|| one_line(&format!("{reason:?}: {message}")));
+    });
+    events
 }
 
 fn check(def: &DeviceDef, limits: &wgpu::Limits) -> Result<(), Error> {
