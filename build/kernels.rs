@@ -15,6 +15,8 @@ const OVERRIDES: [&str; 3] = ["NORMALS", "TANGENTS", "PACKED"];
 
 const IMMEDIATE: &str = "var<immediate> call: Call;";
 const UNIFORM: &str = "@group(0) @binding(2) var<uniform> call: Call;";
+/// `src/wgpu/pipelines.rs` replaces it.
+const WORKGROUP: &str = "@workgroup_size(128)";
 
 pub fn build() {
     println!("cargo::rerun-if-changed=src/gpu");
@@ -35,6 +37,7 @@ pub fn build() {
     let (mut vulkan, mut wgpu) = (String::new(), String::new());
     for source in SOURCES {
         let text = common.clone() + &read(source);
+        assert!(text.contains(WORKGROUP), "src/gpu/{source}.wgsl does not declare: {WORKGROUP}");
         let built = |text: &str, name: &str| {
             let (bytes, constant) = variants(text, name);
             write(format!("{name}.spv"), &bytes);

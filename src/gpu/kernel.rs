@@ -10,7 +10,7 @@ pub(crate) enum Kernel {
     Tangents,
 }
 
-/// What moves the vertices.
+/// What moves the vertices, in the order of the sources in build/kernels.rs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Case {
     /// Vertices follow nodes.
@@ -50,11 +50,6 @@ impl Variant {
         (0..).zip(Self::all()).find(|(_, variant)| *variant == self).map_or(u32::MAX, |(number, _)| number)
     }
 
-    /// The number of its source in build/kernels.rs.
-    pub(crate) fn source(self) -> usize {
-        self.case as usize
-    }
-
     /// Vertices that an invocation computes.
     fn vertices_each(self) -> u32 {
         match self.case {
@@ -83,14 +78,14 @@ impl Variant {
     }
 }
 
-/// In the order of [`Variant::source`].
+/// In the order of [`Case`].
 #[cfg(feature = "vulkan")]
 const MODULES: [Module; 2] = include!(concat!(env!("OUT_DIR"), "/vulkan_modules.rs"));
 
 /// Returns the SPIR-V of a variant for hosts that ask for so many invocations a workgroup.
 #[cfg(feature = "vulkan")]
 pub(crate) fn compiled(variant: Variant, invocations: u32) -> Vec<u32> {
-    MODULES[variant.source()].compiled(variant, variant.invocations(invocations))
+    MODULES[variant.case as usize].compiled(variant, variant.invocations(invocations))
 }
 
 /// The SPIR-V of a source.

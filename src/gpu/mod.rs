@@ -14,7 +14,9 @@ mod vertices;
 mod work;
 
 pub use crate::deform::Encoding;
-pub(crate) use arena::{Arena, ResidentMesh};
+pub(crate) use arena::Arena;
+#[cfg(feature = "vulkan")]
+pub(crate) use arena::ResidentMesh;
 pub use format::{Attribute, encode};
 #[cfg(feature = "wgpu")]
 pub(crate) use kernel::Module;

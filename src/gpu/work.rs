@@ -8,7 +8,7 @@ use crate::base::error::Error;
 use crate::base::math::Aabb;
 use crate::basis::{ONE, TILE};
 use crate::classic::ClassicState;
-use crate::deform::view::{DamageView, NodeSteps, NodeView, Shape, may_reach};
+use crate::deform::view::{DamageView, NodeSteps, NodeView, may_reach};
 use crate::example::mesh_lod::MeshLod;
 use bytemuck::{Pod, Zeroable, cast, cast_slice, cast_slice_mut};
 use glam::Vec3;
@@ -112,12 +112,17 @@ impl FrameWork {
             let to: &mut [NodeSteps] = cast_slice_mut(&mut self.parts[begin..]);
             to.iter_mut().zip(from).for_each(|(to, from)| *to = *from);
         }
-        // The kernel counts rows from the body's first node on.
-        let begin = (begin as u32).wrapping_sub(first);
         let longest = f32::from(nodes.farthest) * nodes.step * (shown.target.mesh.parts.most as f32 / ONE as f32);
         let limit = Some(shown.view.depth_limit).filter(|limit| may_reach(longest, *limit));
-        let flags = if limit.is_some() { LIMITED } else { 0 };
-        self.add_target(shown, (begin, longest), (flags, limit.unwrap_or(0.0), NONE));
+        self.targets.push(TargetWork {
+            limit: limit.unwrap_or(0.0),
+            flags: if limit.is_some() { LIMITED } else { 0 },
+            node_step: nodes.step,
+            // The kernel counts rows from the body's first node on.
+            parts_begin: (begin as u32).wrapping_sub(first),
+            tiles: shown.target.mesh.at + shown.target.mesh.parts.tiles,
+            ..shown.work(longest)
+        });
         let grown = Vec3::splat(longest.min(shown.view.depth_limit) * ROUNDING);
         let all = shown.mesh.mesh.bounds();
         Aabb { min: all.min - grown, max: all.max + grown }
@@ -158,39 +163,45 @@ impl FrameWork {
                 }
             }
         }
-        self.add_target(shown, (begin, f32::INFINITY), (flags, blend_constant, given));
+        self.targets.push(TargetWork {
+            limit: blend_constant,
+            flags,
+            parts_begin: begin,
+            parts_end: self.parts.len() as u32,
+            given_state: given,
+            ..shown.work(f32::INFINITY)
+        });
         // A vertex with a limit lies between its base position and that of its state.
         let mut bounds = if mesh.mesh.limits().is_empty() { Aabb::EMPTY } else { mesh.mesh.bounds() };
         all.for_each(|v| bounds.add(state.vertices().positions[v]));
         bounds
     }
+}
 
-    /// Adds a target whose parts were added from `begin` on. They move no vertex further than `longest`, m.
-    fn add_target(
-        &mut self,
-        shown: Shown<'_>,
-        (begin, longest): (u32, f32),
-        (flags, limit, given_state): (u32, f32, u32),
-    ) {
-        let TargetState { mesh, layout, first, .. } = shown.target;
+impl Shown<'_> {
+    /// What the target has under every rule. Its vertices move no further than `longest`, m.
+    fn work(&self, longest: f32) -> TargetWork {
+        let TargetState { mesh, layout, first, .. } = self.target;
         let parts = &mesh.parts;
         let at = |part: u32| mesh.at + part;
         let word = |bytes: u64| (bytes / 4) as u32;
         let stream = |s: Option<VertexStream<Encoding>>| {
             s.map_or((0, 0, 0), |s| (word(first.wrapping_add(s.offset)), word(s.stride), s.format as u32))
         };
-        let [positions, normals, tangents] = layout.streams.map(stream);
-        let (position_at, position_stride, position_format) = positions;
-        let (normal_at, normal_stride, normal_format) = normals;
-        let (tangent_at, tangent_stride, tangent_format) = tangents;
+        let [
+            (position_at, position_stride, position_format),
+            (normal_at, normal_stride, normal_format),
+            (tangent_at, tangent_stride, tangent_format),
+        ] = layout.streams.map(stream);
         // A kernel may read an attribute that the target does not have; it writes none of it.
         let base_positions = at(parts.positions);
-        let reached = shown.mesh.mesh.limits().least().iter().any(|least| may_reach(longest, *least));
+        let reached = self.mesh.mesh.limits().least().iter().any(|least| may_reach(longest, *least));
         let [depths, gives] = parts.limits.map(|part| part.filter(|_| reached).map_or(NONE, at));
-        self.targets.push(TargetWork {
+        TargetWork {
             base_positions,
             base_normals: parts.normals.map_or(base_positions, at),
             base_tangents: parts.tangents.map_or(base_positions, at),
+            vertices: self.mesh.vertex_count() as u32,
             position_at,
             position_stride,
             normal_at,
@@ -198,20 +209,12 @@ impl FrameWork {
             tangent_at,
             tangent_stride,
             formats: position_format | normal_format << 8 | tangent_format << 16,
-            vertices: shown.mesh.vertex_count() as u32,
             bias: layout.bias,
-            limit,
             scale: layout.scale,
-            flags,
-            parts_begin: begin,
-            parts_end: self.parts.len() as u32,
-            given_state,
             depths,
             gives,
-            tiles: at(parts.tiles),
-            node_step: if let Shape::Nodes(nodes) = shown.view.shape { nodes.step } else { 0.0 },
-            padding: [0; 2],
-        });
+            ..TargetWork::zeroed()
+        }
     }
 }
 

@@ -15,6 +15,7 @@
 //!
 //! The kernels are those of [`crate::vulkan`], and so are the vertices. Classic rules are not supported.
 
+pub use crate::gpu::Target as AnyTarget;
 pub use ash::vk::Format;
 
 use crate::base::error::Error;
@@ -56,9 +57,6 @@ pub type Stream = VertexStream<Format>;
 pub type Target = gpu::Target<u64, Infallible>;
 
 /// A target to bring up to date.
-/// <!--
-/// cbindgen:ignore
-/// -->
 pub type GraphJob<'a> = Job<'a, Target>;
 
 /// What a plan does.

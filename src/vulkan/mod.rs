@@ -41,6 +41,7 @@ mod staging;
 mod target;
 mod vulkan_device;
 
+pub use crate::gpu::Target as AnyTarget;
 pub use ash::vk;
 pub use device::Device;
 pub use host_buffers::{Access, BufferDef, BufferId};

@@ -33,9 +33,6 @@ pub(super) struct Barriers {
 }
 
 /// A target to bring up to date.
-/// <!--
-/// cbindgen:ignore
-/// -->
 pub type RecordJob<'a> = Job<'a, Target>;
 
 /// What was recorded.
@@ -143,7 +140,10 @@ impl Device {
         jobs: &[RecordJob<'_>],
     ) -> Result<u64, Error> {
         self.recorded = frame;
-        self.barriers.clear();
+        let r = &mut self.barriers;
+        r.before.clear();
+        r.after.clear();
+        (r.from, r.to) = Default::default();
         let mut bytes_copied = 0;
         if let Some(slot) = slot {
             self.slots[slot].frame = frame;
@@ -246,15 +246,6 @@ impl Device {
             }
         }
         Ok(())
-    }
-}
-
-impl Barriers {
-    /// Removes all but the list of buffers.
-    fn clear(&mut self) {
-        self.before.clear();
-        self.after.clear();
-        (self.from, self.to) = Default::default();
     }
 }
 

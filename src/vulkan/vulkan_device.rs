@@ -72,10 +72,8 @@ impl VulkanDevice {
             ("the VkPhysicalDevice", def.physical_device.is_null()),
             ("the VkDevice", def.device.is_null()),
         ];
-        for (name, null) in named {
-            if null {
-                return Err(Error::invalid(name, "null", "a valid handle"));
-            }
+        if let Some((name, _)) = named.iter().find(|(_, null)| *null) {
+            return Err(Error::invalid(name, "null", "a valid handle"));
         }
         let of_instance = |name: &CStr| {
             // SAFETY: the caller's loader and instance.
@@ -151,12 +149,8 @@ fn check(
     let compute = |f: &vk::QueueFamilyProperties| f.queue_flags.contains(vk::QueueFlags::COMPUTE);
     if !families.get(def.queue_family as usize).is_some_and(compute) {
         let good = families.iter().enumerate().filter(|(_, f)| compute(f)).map(|(i, _)| i.to_string());
-        let good: Vec<String> = good.collect();
-        return Err(Error::invalid(
-            "queue_family",
-            def.queue_family,
-            &format!("one that computes: {}", good.join(", ")),
-        ));
+        let expected = format!("one that computes: {}", good.collect::<Vec<_>>().join(", "));
+        return Err(Error::invalid("queue_family", def.queue_family, &expected));
     }
     let limits = &properties.limits;
     let most = limits.max_compute_work_group_size[0].min(limits.max_compute_work_group_invocations);

@@ -2,12 +2,11 @@
 
 use super::belt::Belt;
 use super::pipelines::WgpuPipelines;
-use super::read::Readback;
 use super::target::{BoundBuffers, Target, TargetDef};
 use super::wgpu_device::{DeviceDef, WgpuDevice};
 use crate::base::error::Error;
 use crate::example::set::ExampleSet;
-use crate::gpu::{Arena, Plan, ResidentMesh};
+use crate::gpu::{Arena, Plan};
 use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -22,7 +21,8 @@ pub struct Device {
     /// The data of a frame, and behind it a call for each dispatch. It is reused.
     pub(super) words: Vec<u32>,
     pub(super) belt: Belt,
-    pub(super) reader: Readback,
+    /// A buffer that the CPU reads. It is reused.
+    pub(super) mapping: Option<wgpu::Buffer>,
 }
 
 impl fmt::Debug for Device {
@@ -54,7 +54,7 @@ impl Device {
             arena: Arena::new(),
             words: Vec::new(),
             belt: Belt::default(),
-            reader: Readback::default(),
+            mapping: None,
         })
     }
 
@@ -103,12 +103,6 @@ impl Device {
         let (layout, written) = def.layout(&mesh.mesh, def.buffer.size() & !3)?;
         let bound = self.bound.binding((&self.gpu, &self.pipelines), def.buffer, &written)?;
         let first = def.offset.wrapping_sub(bound.range.start);
-        let mesh = self.mesh(set, def.lod)?;
-        Ok(Target::new(self.plan.id, (layout, first), mesh, (bound.id, bound)))
-    }
-
-    /// Returns a mesh of the set. A new one is uploaded before the next submission runs.
-    fn mesh(&mut self, set: &Arc<ExampleSet>, lod: usize) -> Result<Arc<ResidentMesh>, Error> {
         self.free_meshes();
         let gpu = &self.gpu;
         let mut limits = gpu.binding_limits();
@@ -117,11 +111,12 @@ impl Device {
         }
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
         let make = |bytes| gpu.buffer("meshes and examples", bytes, usage);
-        self.arena.mesh((set, lod), &limits, make, |chunk, mesh, words| {
+        let mesh = self.arena.mesh((set, def.lod), &limits, make, |chunk, mesh, words| {
             let bytes: &[u8] = bytemuck::cast_slice(&words);
             gpu.checked("uploading a mesh and its examples", bytes.len() as u64, || {
                 gpu.queue.write_buffer(chunk, mesh.offset(), bytes)
             })
-        })
+        })?;
+        Ok(Target::new(self.plan.id, (layout, first), mesh, (bound.id, bound)))
     }
 }

@@ -9,9 +9,6 @@ use bytemuck::cast_ref;
 const CALL_WORDS: usize = size_of::<Call>() / 4;
 
 /// A target to bring up to date.
-/// <!--
-/// cbindgen:ignore
-/// -->
 pub type EncodeJob<'a> = Job<'a, Target>;
 
 /// What was encoded.

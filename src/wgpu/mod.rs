@@ -39,6 +39,7 @@ mod read;
 mod target;
 mod wgpu_device;
 
+pub use crate::gpu::Target as AnyTarget;
 #[cfg(any(windows, target_os = "linux", target_os = "android", target_os = "freebsd"))]
 pub use adopt::VulkanDef;
 pub use device::Device;

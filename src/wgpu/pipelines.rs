@@ -14,7 +14,7 @@ macro_rules! built {
     };
 }
 
-/// In the order of [`Variant::source`].
+/// In the order of `Case`.
 const MODULES: [Module; 2] = built!(include "wgpu_modules.rs");
 const SOURCES: [&str; 2] = [built!(include_str "nodes_uniform.wgsl"), built!(include_str "classic_uniform.wgsl")];
 const NAMES: [&str; 2] = ["crumple: nodes", "crumple: classic"];
@@ -26,7 +26,7 @@ pub(super) struct WgpuPipelines {
     pub work: wgpu::BindGroupLayout,
     /// Of one buffer: the host's or a state.
     pub one: wgpu::BindGroupLayout,
-    /// In the order of [`Variant::source`].
+    /// In the order of `Case`.
     layouts: [wgpu::PipelineLayout; 2],
     /// Invocations a workgroup.
     workgroup: u32,
@@ -68,9 +68,10 @@ impl WgpuPipelines {
     /// Adds the pipeline of a variant, if it is not there yet.
     pub(super) fn add(&mut self, gpu: &WgpuDevice, variant: Variant) -> Result<(), Error> {
         let Entry::Vacant(pipeline) = self.pipelines.entry(variant) else { return Ok(()) };
-        let (device, rule) = (&gpu.device, variant.source());
+        let (device, rule) = (&gpu.device, variant.case as usize);
         let label = Some(NAMES[rule]);
-        let exact = gpu.takes_spirv();
+        let exact = device.features().contains(wgpu::Features::PASSTHROUGH_SHADERS)
+            && device.adapter_info().backend == wgpu::Backend::Vulkan;
         let workgroup = variant.invocations(self.workgroup);
         let made = gpu.checked("making a compute pipeline", 0, || {
             let module = if exact {
@@ -110,12 +111,6 @@ impl WgpuPipelines {
 }
 
 impl WgpuDevice {
-    /// Whether the device takes the SPIR-V of the build.
-    pub(super) fn takes_spirv(&self) -> bool {
-        self.device.features().contains(wgpu::Features::PASSTHROUGH_SHADERS)
-            && self.device.adapter_info().backend == wgpu::Backend::Vulkan
-    }
-
     pub(super) fn bind_group(
         &self,
         layout: &wgpu::BindGroupLayout,
@@ -127,15 +122,5 @@ impl WgpuDevice {
         self.made.fetch_add(1, Ordering::Relaxed);
         let descriptor = wgpu::BindGroupDescriptor { label: Some("crumple"), layout, entries: &entries };
         self.checked("binding a buffer", 0, || self.device.create_bind_group(&descriptor))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sources_have_the_texts_that_are_replaced() {
-        assert!(SOURCES.iter().all(|s| s.contains(WORKGROUP) && !s.contains("var<immediate>")));
     }
 }
