@@ -62,6 +62,11 @@ impl Aabb {
         if self.min.x > self.max.x { 0.0 } else { (self.max - self.min).length() }
     }
 
+    /// The middle of the box, m.
+    pub(crate) fn centre(&self) -> Vec3 {
+        self.min + (self.max - self.min) * 0.5
+    }
+
     /// Squared distance from `p` to the box, m²; 0 inside.
     pub fn distance_squared(&self, p: Vec3) -> f32 {
         let d = (self.min - p).max(p - self.max).max(Vec3::ZERO);

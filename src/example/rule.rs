@@ -74,45 +74,26 @@ pub(crate) struct Source<'a> {
     pub nodes: &'a MeshLod,
 }
 
-/// The points and planes of a body with these nodes, and what they take of carried dents.
-struct Points {
-    normals: Vec<Vec3>,
-    held: Vec<f32>,
-    mirror: Mirror,
-    centre: Vec3,
-}
-
-impl Points {
-    fn of(source: &Source<'_>) -> Self {
-        let (nodes, bounds) = (source.nodes, source.base.mesh.bounds());
+impl Source<'_> {
+    /// The nodes as the points of a body, and what they take of carried dents.
+    fn body(&self) -> Body {
+        let nodes = self.nodes;
         let count = nodes.vertex_count();
+        let normals = nodes.mesh.normals().map_or_else(|| vec![Vec3::ZERO; count], <[Vec3]>::to_vec);
         let held = if nodes.rim.is_open() { Vec::new() } else { (0..count as u32).map(|v| nodes.rim.at(v)).collect() };
-        Points {
-            normals: nodes.mesh.normals().map_or_else(|| vec![Vec3::ZERO; count], <[Vec3]>::to_vec),
-            held,
-            mirror: source.mirror,
-            centre: bounds.min + (bounds.max - bounds.min) * 0.5,
-        }
-    }
-
-    fn body<'a>(&'a self, nodes: &'a MeshLod) -> Body<'a> {
-        let Points { normals, held, mirror, centre } = self;
-        Body { points: nodes.mesh.positions(), normals, mirror: *mirror, centre: *centre, held }
+        Body::new(nodes.mesh.positions().to_vec(), normals, held, self.mirror, self.base.mesh.bounds().centre())
     }
 }
 
 impl LearnedRule {
     /// Learns from the examples as they are on the nodes.
-    ///
-    /// # Errors
-    /// Those of [`Predictor::learn`].
-    pub(crate) fn learn(source: &Source<'_>, tasks: &dyn TaskSystem) -> Result<Self, Error> {
-        let (points, examples, nodes) = (Points::of(source), source.examples, source.nodes);
+    pub(crate) fn learn(source: &Source<'_>, tasks: &dyn TaskSystem) -> Self {
+        let (body, examples, nodes) = (source.body(), source.examples, source.nodes);
         let fields: Vec<Vec<Vec3>> = (0..examples.len()).map(|i| nodes.field(i)).collect();
         let samples: Vec<Sample<'_>> = examples
             .iter()
             .zip(&fields)
-            .zip(sources(source, points.centre))
+            .zip(sources(source))
             .filter(|((e, _), _)| !e.is_empty())
             .map(|((e, field), simulation)| Sample {
                 contact: e.contact_point(),
@@ -124,12 +105,12 @@ impl LearnedRule {
                     .unwrap_or(-e.contact_displacement() / e.depth()),
                 blow: Some(known_blow(e.blow())).filter(|b| b.velocity.or(b.impulse).is_some()),
                 field,
-                moved: Some(e.contact_displacement()),
+                moved: e.contact_displacement(),
                 source: simulation,
             })
             .collect();
-        let predictor = Predictor::learn(&points.body(nodes), &samples, tasks)?;
-        Ok(LearnedRule { predictor, fields: Moves::of(source), recent: Mutex::default() })
+        let predictor = Predictor::learn(body, &samples, tasks);
+        LearnedRule { predictor, fields: Moves::of(source), recent: Mutex::default() }
     }
 
     /// The rule of a set from [`LearnedRule::to_bytes`].
@@ -137,7 +118,7 @@ impl LearnedRule {
     /// # Errors
     /// [`Error::Format`].
     pub(crate) fn from_bytes(source: &Source<'_>, bytes: &[u8]) -> Result<Self, Error> {
-        let predictor = Predictor::from_bytes(&Points::of(source).body(source.nodes), bytes)?;
+        let predictor = Predictor::from_bytes(source.body(), bytes)?;
         let fields = Moves::of(source);
         let samples = predictor.samples();
         if samples != fields.0.len() {
@@ -203,10 +184,11 @@ impl LearnedRule {
 
 /// For each example the first of its simulation: images of one dent have the same depth, the same L2 and L4 norms, and the same distance from
 /// the body's centre.
-fn sources(source: &Source<'_>, centre: Vec3) -> Vec<u32> {
+fn sources(source: &Source<'_>) -> Vec<u32> {
     /// Relative difference.
     const SAME: f64 = 1e-3;
-    let diagonal = source.base.mesh.bounds().diagonal();
+    let bounds = source.base.mesh.bounds();
+    let (centre, diagonal) = (bounds.centre(), bounds.diagonal());
     let dent = |(i, e): (usize, &Example)| {
         // Nodes need not lie alike around all images.
         let field = source.base.field(i);

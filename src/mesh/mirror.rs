@@ -60,7 +60,7 @@ impl Mirror {
 
 /// The planes through the bounds' centre that map the vertices onto themselves.
 pub(crate) fn planes(positions: &[Vec3], index: &VertexIndex, bounds: &Aabb) -> Mirror {
-    let centre = centre(bounds);
+    let centre = bounds.centre();
     let near = TOLERANCE * bounds.diagonal();
     let strays = (STRAYS * positions.len() as f32) as usize;
     let maps = |m: Mirror| {
@@ -86,7 +86,7 @@ impl Images<'_> {
     /// The vertices where a vertex has its mirror images: of several at one position the first. There are none where the body is not symmetric.
     pub(crate) fn of(&self, v: u32) -> impl Iterator<Item = u32> {
         let (positions, bounds) = (self.mesh.positions(), self.mesh.bounds());
-        let (centre, near) = (centre(&bounds), TOLERANCE * bounds.diagonal());
+        let (centre, near) = (bounds.centre(), TOLERANCE * bounds.diagonal());
         let image = move |m: Mirror| {
             let found = self.index.nearest(m.point(positions[v as usize], centre), positions)?;
             (found.distance <= near).then(|| self.mesh.weld()[found.vertex as usize]).filter(|w| *w != v)
@@ -100,9 +100,4 @@ impl Images<'_> {
 fn has_extent(bounds: &Aabb, bits: u8) -> bool {
     let extent = (bounds.max - bounds.min)[bits.trailing_zeros() as usize];
     extent > 2.0 * TOLERANCE * bounds.diagonal()
-}
-
-/// The point where the planes meet, m.
-pub(crate) fn centre(bounds: &Aabb) -> Vec3 {
-    bounds.min + (bounds.max - bounds.min) * 0.5
 }

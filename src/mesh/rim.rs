@@ -109,7 +109,7 @@ fn windows(held: &[Vec3], diagonal: f32, mesh: &Mesh, tasks: &dyn TaskSystem) ->
         }
         s * s * (3.0 - 2.0 * s)
     };
-    let any_near = |b: &Aabb| nearest(middle(b)).is_some_and(|d2| d2.sqrt() <= reach_of(b, width));
+    let any_near = |b: &Aabb| nearest(b.centre()).is_some_and(|d2| d2.sqrt() <= reach_of(b, width));
     let positions = mesh.positions();
     let blocks = map(tasks, (0..mesh.block_bounds().len()).step_by(BLOCKS_A_TASK), |first| {
         let blocks = first..mesh.block_bounds().len().min(first + BLOCKS_A_TASK);
@@ -136,11 +136,7 @@ fn windows(held: &[Vec3], diagonal: f32, mesh: &Mesh, tasks: &dyn TaskSystem) ->
     (blocks.collect(), all)
 }
 
-fn middle(b: &Aabb) -> Vec3 {
-    b.min + (b.max - b.min) * 0.5
-}
-
-/// The distance from a box's [`middle`] beyond which nothing is within `width` of any point of the box, m. More than
+/// The distance from a box's centre beyond which nothing is within `width` of any point of the box, m. More than
 /// rounding errors need.
 fn reach_of(b: &Aabb, width: f32) -> f32 {
     (width + 0.5 * b.diagonal()) * 1.001 + f32::MIN_POSITIVE
@@ -192,7 +188,7 @@ fn held(mesh: &Mesh, examples: &[Vec<bool>], tasks: &dyn TaskSystem) -> Vec<u32>
         let mut beside: Vec<(u32, u32)> = Vec::new();
         for b in first..mesh.block_bounds().len().min(first + BLOCKS_A_TASK) {
             let bounds = &mesh.block_bounds()[b];
-            if within(middle(bounds), reach_of(bounds, width)).next().is_none() {
+            if within(bounds.centre(), reach_of(bounds, width)).next().is_none() {
                 continue;
             }
             for v in block_range(b, positions.len()).filter(|v| weld[*v] as usize == *v && loops[*v].is_none()) {

@@ -32,6 +32,21 @@ pub struct Strike {
     pub kind: f64,
 }
 
+impl Strike {
+    /// That of a displacement, m, of a place with this unit normal; `None` if it is zero.
+    pub(super) fn of_displacement(u: Vec3, normal: Vec3) -> Option<Self> {
+        let u = u.as_dvec3();
+        let depth = u.length();
+        if depth.is_nan() || depth <= 0.0 {
+            return None;
+        }
+        let n = normal.as_dvec3();
+        let lean = u / depth;
+        let lean = lean - n * lean.dot(n);
+        Some(Strike { strength: depth, mass: 1.0, radius: 1.0, direction: lean.to_array(), kind: 0.0 })
+    }
+}
+
 pub(super) fn point(place: Vec3, normal: Vec3, diagonal: f64, strike: &Strike) -> Point {
     let (p, n) = (place.as_dvec3() / diagonal, normal.as_dvec3());
     let [a, b, c] = strike.direction;

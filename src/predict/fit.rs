@@ -20,21 +20,16 @@ pub(super) struct Prior {
 /// Steps of the search.
 const STEPS: usize = 40;
 
-/// Fits lengths to `points` and the products `gram` of their outputs.
-pub(super) fn fit(points: &[Point], gram: &[f64], prior: &Prior) -> Lengths {
-    let n = points.len();
-    let trace: f64 = (0..n).map(|i| gram[i * n + i]).sum();
+/// Fits lengths to those of `points` that are `used`, and the products of their outputs.
+pub(super) fn fit(points: &[Point], used: &[usize], product: impl Fn(usize, usize) -> f64, prior: &Prior) -> Lengths {
+    let n = used.len();
+    let trace: f64 = used.iter().map(|i| product(*i, *i)).sum();
     if n < 4 || trace.is_nan() || trace <= 0.0 {
         return prior.mean;
     }
-    let gram: Vec<f64> = gram.iter().map(|x| x * n as f64 / trace).collect();
-    let mut d2 = vec![0.0; n * n * GROUPS];
-    for i in 0..n {
-        for j in 0..i {
-            let d = differences(&points[i], &points[j]);
-            (0..GROUPS).for_each(|g| d2[g * n * n + i * n + j] = d[g]);
-        }
-    }
+    let product = |i: usize, j: usize| product(i, j) * n as f64 / trace;
+    let gram: Vec<f64> = (0..n * n).map(|at| product(used[at / n], used[at % n])).collect();
+    let d2 = squared_differences(&used.iter().map(|i| points[*i]).collect::<Vec<_>>());
     // Resilient propagation: each logarithm has its own step, which grows while the slope keeps its sign.
     let pack =
         |l: &Lengths| -> [f64; GROUPS + 1] { std::array::from_fn(|g| if g < GROUPS { l.lengths[g] } else { l.noise }) };
@@ -67,6 +62,19 @@ pub(super) fn fit(points: &[Point], gram: &[f64], prior: &Prior) -> Lengths {
         }
     }
     unpack(&best.1)
+}
+
+/// For each group a square of which the lower half is filled.
+fn squared_differences(points: &[Point]) -> Vec<f64> {
+    let n = points.len();
+    let mut d2 = vec![0.0; n * n * GROUPS];
+    for i in 0..n {
+        for j in 0..i {
+            let d = differences(&points[i], &points[j]);
+            (0..GROUPS).for_each(|g| d2[g * n * n + i * n + j] = d[g]);
+        }
+    }
+    d2
 }
 
 /// The negative logarithm of the marginal likelihood, the variance profiled out, and its slope.
@@ -133,13 +141,7 @@ mod tests {
             (0..n).map(|i| std::array::from_fn(|k| ((i * 7 + k * 3) % 11) as f64 / 11.0)).collect();
         let y: Vec<f64> = (0..n).map(|i| ((i * 5) % 7) as f64 - 3.0).collect();
         let gram: Vec<f64> = (0..n * n).map(|k| y[k / n] * y[k % n]).collect();
-        let mut d2 = vec![0.0; n * n * GROUPS];
-        for i in 0..n {
-            for j in 0..i {
-                let d = differences(&points[i], &points[j]);
-                (0..GROUPS).for_each(|g| d2[g * n * n + i * n + j] = d[g]);
-            }
-        }
+        let d2 = squared_differences(&points);
         for ordinary in [false, true] {
             let l = Lengths { lengths: [-0.3, 0.1, 0.4, 0.7, 0.5, -0.2, 0.6], noise: -1.0 };
             let prior = Prior { mean: l, deviation: 1.0, outputs: 3.0, ordinary };

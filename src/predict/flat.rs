@@ -1,14 +1,14 @@
 //! A learned rule as bytes: a sequence of arrays, each a u64 length and its elements, little-endian, filled up to 8 bytes.
 //! docs/format.md names them.
 
-use super::Body;
+use super::body::Body;
 use super::features::{AXES, Points};
+use super::hits::Typical;
 use super::kernel::GROUPS;
-use super::predictor::{Model, Part, Predictor, Typical};
+use super::predictor::{Model, Part, Predictor};
 use super::size::SizeLaw;
-use super::stamp::{Frames, STAMP};
+use super::stamp::STAMP;
 use crate::base::error::Error;
-use crate::base::math::Aabb;
 use crate::mesh::mirror::Mirror;
 use bytemuck::Pod;
 
@@ -121,7 +121,7 @@ impl Flat<'_> {
 
     /// Everything that does not follow from the body.
     fn rule(&mut self, p: &mut Predictor) -> Result<(), Error> {
-        let points = p.points.len();
+        let points = p.body.points.len();
         let (mut kind, mut reach) = (f64::from(p.typical.kind), f64::from(p.reach));
         let [mut blows, mut displacements] = [&p.blow, &p.displacement].map(|m| f64::from(u8::from(m.is_some())));
         let Typical { mass, radius, rebound, .. } = &mut p.typical;
@@ -180,13 +180,9 @@ impl Predictor {
     ///
     /// # Errors
     /// [`Error::Format`].
-    pub(crate) fn from_bytes(body: &Body<'_>, bytes: &[u8]) -> Result<Self, Error> {
+    pub(crate) fn from_bytes(body: Body, bytes: &[u8]) -> Result<Self, Error> {
         let mut rule = Predictor {
-            points: body.points.to_vec(),
-            normals: body.normals.to_vec(),
-            held: body.held.to_vec(),
-            diagonal: f64::from(Aabb::of(body.points).diagonal()).max(1e-9),
-            frames: Frames::of(body.normals),
+            body,
             partners: Vec::new(),
             typical: Typical::default(),
             blow: None,

@@ -2,18 +2,15 @@
 
 use super::features::{Point, differences};
 use super::kernel::{GROUPS, Lengths, matern};
-use super::linear::{cholesky, inverse, solve};
+use super::linear::{cholesky, inverse, product, solve};
 
 /// The system of a set of points, and its inverse.
 pub(super) struct Kriging {
     n: usize,
-    /// Inverse of covariances and noise.
-    #[cfg(test)]
-    inverse: Vec<f64>,
-    /// The same without what a constant explains, for an unknown mean; otherwise the inverse.
+    /// Inverse of covariances and noise; for an unknown mean without what a constant explains.
     projected: Vec<f64>,
     /// Weights of the points in the mean; empty if the mean is 0.
-    pub mean: Vec<f64>,
+    mean: Vec<f64>,
 }
 
 /// The covariance of two points.
@@ -28,7 +25,7 @@ impl Kriging {
         let n = points.len();
         let f = lengths.factors();
         let mut noise = lengths.noise_ratio();
-        let inverse = loop {
+        let mut projected = loop {
             let mut k = vec![0.0; n * n];
             for i in 0..n {
                 (0..i).for_each(|j| k[i * n + j] = covariance(&points[i], &points[j], &f));
@@ -39,9 +36,9 @@ impl Kriging {
             }
             noise = 4.0 * noise + 1e-9;
         };
-        let (mut projected, mut mean) = (inverse.clone(), Vec::new());
+        let mut mean = Vec::new();
         if ordinary {
-            mean = inverse.chunks_exact(n).map(|row| row.iter().sum::<f64>()).collect();
+            mean = projected.chunks_exact(n).map(|row| row.iter().sum::<f64>()).collect();
             let all: f64 = mean.iter().sum();
             for i in 0..n {
                 for j in 0..n {
@@ -50,13 +47,7 @@ impl Kriging {
             }
             mean.iter_mut().for_each(|m| *m /= all);
         }
-        Self {
-            n,
-            #[cfg(test)]
-            inverse,
-            projected,
-            mean,
-        }
+        Self { n, projected, mean }
     }
 
     /// The mean of `columns` numbers a point, and the coefficients of the covariances with the points:
@@ -66,13 +57,13 @@ impl Kriging {
         for (m, row) in self.mean.iter().zip(rows.chunks_exact(columns.max(1))) {
             mean.iter_mut().zip(row).for_each(|(to, x)| *to += m * x);
         }
-        (mean, super::linear::product(&self.projected, rows, self.n, columns))
+        (mean, product(&self.projected, rows, self.n, columns))
     }
 
     /// What the others miss of each row if its group is left out. `groups` are lists of points.
     pub(super) fn missed(&self, rows: &[f64], columns: usize, groups: &[Vec<usize>]) -> Vec<f64> {
         let n = self.n;
-        let mut out = super::linear::product(&self.projected, rows, n, columns);
+        let mut out = product(&self.projected, rows, n, columns);
         for group in groups {
             let m = group.len();
             let mut block: Vec<f64> =
@@ -89,16 +80,5 @@ impl Kriging {
             }
         }
         out
-    }
-
-    /// Weights of the points for a point with `covariances` to them.
-    #[cfg(test)]
-    pub(super) fn weights(&self, covariances: &[f64]) -> Vec<f64> {
-        let mut w = super::linear::product(covariances, &self.inverse, self.n, self.n);
-        if !self.mean.is_empty() {
-            let rest = 1.0 - w.iter().sum::<f64>();
-            w.iter_mut().zip(&self.mean).for_each(|(w, m)| *w += rest * m);
-        }
-        w
     }
 }

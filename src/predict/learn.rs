@@ -1,22 +1,19 @@
 //! What a set learns from its own examples: each is left out in turn, and the others predict it.
 
-use super::body::{Body, Sample, held};
-use super::features::{Point, Points, STRENGTH_AXIS};
+use super::body::{Body, Sample};
+use super::features::{Point, Points, STRENGTH_AXIS, Strike, point};
 use super::fit::{Prior, fit};
+use super::hits::{Blow, Typical};
 use super::kernel::Lengths;
 use super::kriging::Kriging;
-use super::linear::{add32, dot32};
-use super::lookup::{nearest, partners};
-use super::predictor::{MOST_SCALE, Model, Part, Predictor, Typical, blow_point, displacement_point, wide};
+use super::linear::{add, dot};
+use super::predictor::{MOST_SCALE, Model, Part, Predictor, wide};
 use super::rank::{LowRank, gram};
 use super::size::SizeLaw;
-use super::stamp::{Frames, STAMP, View, read};
-use crate::base::error::Error;
-use crate::base::math::Aabb;
-use crate::base::tasks::TaskSystem;
+use super::stamp::{STAMP, View, read};
+use crate::base::tasks::{TaskSystem, map};
 use crate::mesh::mirror::Mirror;
-use glam::Vec3;
-use std::sync::Mutex;
+use glam::{DVec3, Vec3};
 
 /// Most examples and images from which lengths are fitted.
 const FIT_ROWS: usize = 200;
@@ -40,10 +37,8 @@ const LEAN: f64 = -1.6;
 
 /// Samples in canonical order and their images, with everything that both kinds of hits share.
 struct Data<'a> {
-    body: &'a Body<'a>,
+    body: Body,
     samples: Vec<Sample<'a>>,
-    diagonal: f64,
-    frames: Frames,
     partners: Vec<(Mirror, Vec<u32>)>,
     typical: Typical,
 }
@@ -60,104 +55,38 @@ struct Image {
 }
 
 impl Predictor {
-    /// Learns the rule of a body from its samples. The result does not depend on their order.
-    ///
-    /// # Errors
-    /// [`Error::InvalidArgument`] if there is no sample, or the lengths of arrays differ; [`Error::NotFinite`] for
-    /// numbers that are not finite.
-    pub fn learn(body: &Body<'_>, samples: &[Sample<'_>], tasks: &dyn TaskSystem) -> Result<Self, Error> {
-        learn(body, samples, tasks)
-    }
-}
+    /// Learns the rule of a body from its samples, which have fields of all its points. The result does not depend on their order.
+    pub fn learn(body: Body, samples: &[Sample<'_>], tasks: &dyn TaskSystem) -> Self {
+        let moves = |i: &u32| samples[*i as usize].field.iter().any(|u| *u != Vec3::ZERO);
+        let mut order: Vec<u32> = (0..samples.len() as u32).filter(moves).collect();
+        order.sort_by_cached_key(|i| key(&samples[*i as usize]));
+        let ordered: Vec<Sample> = order.iter().map(|i| samples[*i as usize]).collect();
+        let mirrors = body.mirror.choices().filter(|m| *m != Mirror::NONE);
+        let partners = mirrors.map(|m| (m, body.partners(m))).collect();
+        let data = Data { body, partners, typical: typical(&ordered), samples: ordered };
 
-fn learn(body: &Body<'_>, samples: &[Sample<'_>], tasks: &dyn TaskSystem) -> Result<Predictor, Error> {
-    check(body, samples)?;
-    let moving: Vec<usize> =
-        (0..samples.len()).filter(|i| samples[*i].field.iter().any(|u| *u != Vec3::ZERO)).collect();
-    if moving.is_empty() {
-        return Err(Error::invalid("samples", "without a displacement", "at least one sample that moves a point"));
-    }
-    let mut order = moving;
-    order.sort_by_cached_key(|i| key(&samples[*i]));
-    let ordered: Vec<Sample> = order.iter().map(|i| samples[*i]).collect();
-    let typical = typical(&ordered);
-    let mirrors: Vec<Mirror> = body.mirror.choices().collect();
-    let others = mirrors.iter().filter(|m| **m != Mirror::NONE);
-    let data = Data {
-        body,
-        diagonal: f64::from(Aabb::of(body.points).diagonal()).max(1e-9),
-        frames: Frames::of(body.normals),
-        partners: others.map(|m| (*m, partners(body.points, *m, body.centre))).collect(),
-        samples: ordered,
-        typical,
-    };
-
-    let (displacement, blow) = (data.best_model(false, tasks), data.best_model(true, tasks));
-    let mut images = displacement.iter().chain(&blow).flat_map(|model| &model.examples);
-    let is_mirrored = images.any(|(_, mirror)| *mirror != Mirror::NONE);
-    Ok(Predictor {
-        points: body.points.to_vec(),
-        normals: body.normals.to_vec(),
-        held: body.held.to_vec(),
-        diagonal: data.diagonal,
-        frames: data.frames,
-        partners: if is_mirrored { data.partners } else { Vec::new() },
-        typical,
-        blow,
-        displacement,
-        order: order.iter().map(|i| *i as u32).collect(),
-        reach: reach(body, &data.samples, data.diagonal),
-    })
-}
-
-/// The largest distance from a contact at which a sample still moves by a hundredth of its longest displacement, m; at least a hundredth
-/// of the diagonal.
-fn reach(body: &Body<'_>, samples: &[Sample<'_>], diagonal: f64) -> f32 {
-    let mut reach = 0.01 * diagonal as f32;
-    for s in samples {
-        let longest = s.field.iter().fold(0.0f32, |m, u| m.max(u.length_squared()));
-        for (p, _) in body.points.iter().zip(s.field).filter(|(_, u)| u.length_squared() > 1e-4 * longest) {
-            reach = reach.max((*p - s.contact).length());
+        let (displacement, blow) = (data.best_model(false, tasks), data.best_model(true, tasks));
+        let mut images = displacement.iter().chain(&blow).flat_map(|model| &model.examples);
+        let is_mirrored = images.any(|(_, mirror)| *mirror != Mirror::NONE);
+        Predictor {
+            reach: data.reach(),
+            body: data.body,
+            partners: if is_mirrored { data.partners } else { Vec::new() },
+            typical: data.typical,
+            blow,
+            displacement,
+            order,
         }
     }
-    reach
-}
-
-fn check(body: &Body<'_>, samples: &[Sample<'_>]) -> Result<(), Error> {
-    let points = body.points.len();
-    if points == 0 {
-        return Err(Error::invalid("points", "empty", "at least one point"));
-    }
-    if !body.held.is_empty() && body.held.len() != points {
-        return Err(Error::invalid("held.len()", body.held.len(), &format!("0 or the number of points, {points}")));
-    }
-    if body.normals.len() != points {
-        return Err(Error::invalid("normals.len()", body.normals.len(), &format!("the number of points, {points}")));
-    }
-    for (i, sample) in samples.iter().enumerate() {
-        if sample.field.len() != points {
-            let name = format!("samples[{i}].field.len()");
-            return Err(Error::invalid(&name, sample.field.len(), &format!("the number of points, {points}")));
-        }
-        let bad =
-            sample.field.iter().chain([&sample.contact, &sample.normal]).chain(&sample.moved).find(|v| !v.is_finite());
-        if let Some(v) = bad {
-            return Err(Error::NotFinite { name: format!("samples[{i}]"), value: format!("{v}") });
-        }
-    }
-    Ok(())
 }
 
 /// The place of a sample in the canonical order.
 fn key(sample: &Sample<'_>) -> Vec<u32> {
     let vector = |v: Vec3| v.to_array().map(f32::to_bits);
-    let sum = sample
-        .field
-        .iter()
-        .fold([0.0f64; 3], |s, u| [s[0] + f64::from(u.x), s[1] + f64::from(u.y), s[2] + f64::from(u.z)]);
+    let sum = sample.field.iter().fold(DVec3::ZERO, |sum, u| sum + u.as_dvec3());
     let mut key = vector(sample.contact).to_vec();
     key.extend(vector(sample.normal));
-    key.extend(sum.iter().flat_map(|x| [(x.to_bits() >> 32) as u32, x.to_bits() as u32]));
+    key.extend(sum.to_array().iter().flat_map(|x| [(x.to_bits() >> 32) as u32, x.to_bits() as u32]));
     let known = sample.blow.unwrap_or_default();
     key.extend(vector(known.velocity.or(known.impulse).unwrap_or(Vec3::ZERO)));
     key
@@ -197,6 +126,19 @@ struct Draft {
 }
 
 impl Data<'_> {
+    /// The largest distance from a contact at which a sample still moves by a hundredth of its longest displacement, m; at least a
+    /// hundredth of the diagonal.
+    fn reach(&self) -> f32 {
+        let mut reach = 0.01 * self.body.diagonal as f32;
+        for s in &self.samples {
+            let longest = s.field.iter().fold(0.0f32, |m, u| m.max(u.length_squared()));
+            for (p, _) in self.body.points.iter().zip(s.field).filter(|(_, u)| u.length_squared() > 1e-4 * longest) {
+                reach = reach.max((*p - s.contact).length());
+            }
+        }
+        reach
+    }
+
     /// The model with the better choice of mirror images, for blows or for displacements. `None` if no sample knows a blow.
     fn best_model(&self, blows: bool, tasks: &dyn TaskSystem) -> Option<Model> {
         let all: Vec<Mirror> = std::iter::once(Mirror::NONE).chain(self.partners.iter().map(|(m, _)| *m)).collect();
@@ -217,22 +159,20 @@ impl Data<'_> {
         let mut images = Vec::new();
         for mirror in mirrors {
             for (i, s) in self.samples.iter().enumerate() {
-                let moved = s.moved.unwrap_or_else(|| s.field[nearest(self.body.points, s.contact)]);
                 let (contact, normal) = (mirror.point(s.contact, self.body.centre), mirror.direction(s.normal));
-                let moved = mirror.direction(moved);
-                let point = if blows {
-                    s.blow.and_then(|b| {
-                        let b = super::Blow {
-                            velocity: b.velocity.map(|v| mirror.direction(v)),
-                            impulse: b.impulse.map(|v| mirror.direction(v)),
-                            ..b
-                        };
-                        blow_point(&b, contact, normal, self.diagonal, &self.typical)
-                    })
-                } else {
-                    displacement_point(moved, contact, normal, self.diagonal)
+                let moved = mirror.direction(s.moved);
+                let mirrored = |b: Blow| Blow {
+                    velocity: b.velocity.map(|v| mirror.direction(v)),
+                    impulse: b.impulse.map(|v| mirror.direction(v)),
+                    ..b
                 };
-                if let Some(point) = point {
+                let strike = if blows {
+                    s.blow.and_then(|b| mirrored(b).strike(normal, &self.typical))
+                } else {
+                    Strike::of_displacement(moved, normal)
+                };
+                if let Some(strike) = strike {
+                    let point = point(contact, normal, self.body.diagonal, &strike);
                     images.push(Image { sample: i, mirror: *mirror, contact, normal, moved, point });
                 }
             }
@@ -290,21 +230,21 @@ impl Data<'_> {
         let exponent = if blows { 0.5 } else { 1.0 };
         let (size, missed) = SizeLaw::learn(&points, &logs, &groups, &used, exponent, lean(SIZE));
 
-        let view = |i: usize| View::new(&self.frames, images[i].contact, images[i].normal, self.diagonal, wide(i));
+        let view =
+            |i: usize| View::new(&self.body.frames, images[i].contact, images[i].normal, self.body.diagonal, wide(i));
         // Stamps of all images, side by side. A field of size 1 that is twice as wide is half as deep: so that they mix as shapes, each
         // is multiplied by its width.
-        let stamps: Vec<Mutex<Vec<f32>>> = (0..n).map(|_| Mutex::new(Vec::new())).collect();
-        tasks.parallel_for(n, &|i| {
+        let stamps = map(tasks, 0..n, |i| {
             let at = |v: usize| Vec3::from_slice(&unit[i * columns + 3 * v..]);
-            let mut stamp = view(i).resample(self.body.points, self.body.normals, at);
+            let mut stamp = view(i).resample(&self.body.points, &self.body.normals, at);
             stamp.iter_mut().for_each(|x| *x *= wide(i) as f32);
-            *stamps[i].lock().unwrap_or_else(|e| e.into_inner()) = stamp;
+            stamp
         });
-        let stamps: Vec<f32> = stamps.into_iter().flat_map(|s| s.into_inner().unwrap_or_default()).collect();
+        let stamps = stamps.concat();
         let products = gram(&stamps, STAMP);
         let low = LowRank::of(&stamps, STAMP, &products, CARRIED_MODES, LOST);
         let prior = Prior { mean: lean(CARRIED), deviation: 0.4, outputs: OUTPUTS, ordinary: true };
-        let lengths = fit(&select(&points, &used), &select_square(&products, n, &used), &prior);
+        let lengths = fit(&points, &used, |i, j| products[i * n + j], &prior);
         let kriging = Kriging::new(&points, &lengths, true);
         let (mean, coefficients) = kriging.coefficients(&low.coefficients, low.rank);
         let left = kriging.missed(&low.coefficients, low.rank, &groups);
@@ -319,14 +259,14 @@ impl Data<'_> {
             view.turned(&stamp, 1.0 / wide(i) as f32, &mut turned);
             for (v, u) in carried[i * columns..(i + 1) * columns].as_chunks_mut::<3>().0.iter_mut().enumerate() {
                 if let Some(cell) = view.cell(self.body.points[v], self.body.normals[v]) {
-                    *u = (read(&turned, &cell, 0).truncate() * held(self.body.held, v)).to_array();
+                    *u = (read(&turned, &cell, 0).truncate() * self.body.held(v)).to_array();
                 }
             }
         }
         // How well the carried part alone tells the directions of the samples themselves.
         let error = |i: usize| {
             let (c, y) = (&carried[i * columns..(i + 1) * columns], &unit[i * columns..(i + 1) * columns]);
-            let cosine = dot32(c, y) / dot32(c, c).sqrt().max(1e-30);
+            let cosine = dot(c, y) / dot(c, c).sqrt().max(1e-30);
             let sine = (1.0 - cosine * cosine.abs()).max(0.0).sqrt();
             (sine * sine + missed[i] * missed[i]).sqrt().min(2.0)
         };
@@ -358,14 +298,14 @@ impl Data<'_> {
             return model;
         }
         let used = some_rows(&groups, FIT_ROWS);
-        let contacts: Vec<usize> = images.iter().map(|i| nearest(self.body.points, i.contact)).collect();
+        let contacts: Vec<usize> = images.iter().map(|i| self.body.nearest(i.contact)).collect();
         let mut kriging: Option<(Kriging, Lengths)> = None;
         // Score, errors, share and factor; the part is that of their start.
         let mut best: Option<(f64, Vec<f64>, f64, f64)> = None;
         let mut part = Part::default();
         for start in [STARTS[1], STARTS[0], STARTS[2]] {
             let mut rest = unit.clone();
-            add32(&mut rest, -start as f32, &carried);
+            add(&mut rest, -start as f32, &carried);
             let products = gram(&rest, columns);
             let (kriging, lengths) = kriging.get_or_insert_with(|| {
                 let mut mean = ANCHORED;
@@ -373,7 +313,7 @@ impl Data<'_> {
                     mean.lengths[5] = LEAN + 0.5;
                 }
                 let prior = Prior { mean, deviation: 0.7, outputs: OUTPUTS, ordinary: false };
-                let lengths = fit(&select(&model.rows, &used), &select_square(&products, n, &used), &prior);
+                let lengths = fit(&model.rows, &used, |i, j| products[i * n + j], &prior);
                 (Kriging::new(&model.rows, &lengths, false), lengths)
             });
             let low = LowRank::of(&rest, columns, &products, ANCHORED_MODES, LOST);
@@ -388,8 +328,7 @@ impl Data<'_> {
                 low.mix(&predicted[i * rank..(i + 1) * rank], &mut field);
                 let (c, y) = (row(&carried, i), row(&unit, i));
                 let at = |f: &[f32]| Vec3::from_slice(&f[3 * contacts[i]..]).as_dvec3();
-                let products =
-                    [dot32(&c, &c), dot32(&c, &field), dot32(&field, &field), dot32(&c, &y), dot32(&field, &y)];
+                let products = [dot(&c, &c), dot(&c, &field), dot(&field, &field), dot(&c, &y), dot(&field, &y)];
                 terms.push((products, at(&c), at(&field)));
             }
             let before = best.as_ref().map(|b| b.0);
@@ -443,14 +382,6 @@ fn some_rows(groups: &[Vec<usize>], most: usize) -> Vec<usize> {
     let rows: usize = groups.iter().map(Vec::len).sum();
     let step = rows.div_ceil(most).max(1);
     groups.iter().step_by(step).flatten().copied().collect()
-}
-
-fn select(points: &[Point], used: &[usize]) -> Vec<Point> {
-    used.iter().map(|i| points[*i]).collect()
-}
-
-fn select_square(matrix: &[f64], n: usize, used: &[usize]) -> Vec<f64> {
-    used.iter().flat_map(|i| used.iter().map(move |j| matrix[i * n + j])).collect()
 }
 
 #[cfg(test)]

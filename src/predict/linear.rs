@@ -1,6 +1,8 @@
 //! Dense linear algebra in double precision, in a fixed order of operations. (Kept crates choose their instructions by
 //! processor, and so their bits.)
 
+use std::ops::{AddAssign, Mul};
+
 /// Whether the symmetric positive definite `n` x `n` matrix `a` (rows one after the other) could be factored. Its lower
 /// triangle then holds the Cholesky factor.
 pub(super) fn cholesky(a: &mut [f64], n: usize) -> bool {
@@ -22,48 +24,27 @@ pub(super) fn cholesky(a: &mut [f64], n: usize) -> bool {
     true
 }
 
-/// The dot product, in four interleaved sums.
+/// The dot product, in four interleaved sums of double precision.
 #[inline]
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn dot<T: Copy + Into<f64>>(a: &[T], b: &[T]) -> f64 {
     let (fours, rest) = a.as_chunks::<4>();
     let (with, with_rest) = b[..a.len()].as_chunks::<4>();
+    let product = |x: T, y: T| -> f64 { x.into() * y.into() };
     let mut s = [0.0f64; 4];
     for (x, y) in fours.iter().zip(with) {
         for k in 0..4 {
-            s[k] += x[k] * y[k];
+            s[k] += product(x[k], y[k]);
         }
     }
-    let tail: f64 = rest.iter().zip(with_rest).map(|(x, y)| x * y).sum();
-    (s[0] + s[1]) + (s[2] + s[3]) + tail
-}
-
-/// The same of single precision numbers, summed in double precision.
-pub(super) fn dot32(a: &[f32], b: &[f32]) -> f64 {
-    let (fours, rest) = a.as_chunks::<4>();
-    let (with, with_rest) = b[..a.len()].as_chunks::<4>();
-    let mut s = [0.0f64; 4];
-    for (x, y) in fours.iter().zip(with) {
-        for k in 0..4 {
-            s[k] += f64::from(x[k]) * f64::from(y[k]);
-        }
-    }
-    let tail: f64 = rest.iter().zip(with_rest).map(|(x, y)| f64::from(*x) * f64::from(*y)).sum();
+    let tail: f64 = rest.iter().zip(with_rest).map(|(x, y)| product(*x, *y)).sum();
     (s[0] + s[1]) + (s[2] + s[3]) + tail
 }
 
 /// `to += k * from`
 #[inline]
-pub(super) fn add(to: &mut [f64], k: f64, from: &[f64]) {
+pub(super) fn add<T: Copy + AddAssign + Mul<Output = T>>(to: &mut [T], k: T, from: &[T]) {
     for (t, f) in to.iter_mut().zip(from) {
-        *t += k * f;
-    }
-}
-
-/// `to += k * from`
-#[inline]
-pub(super) fn add32(to: &mut [f32], k: f32, from: &[f32]) {
-    for (t, f) in to.iter_mut().zip(from) {
-        *t += k * f;
+        *t += k * *f;
     }
 }
 

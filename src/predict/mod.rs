@@ -9,7 +9,6 @@
 //! Everything is computed with IEEE operations, in a fixed order, in double precision where sums are long. So the
 //! result has the same bits on every platform.
 
-mod blow;
 mod body;
 mod features;
 mod fit;
@@ -19,7 +18,6 @@ mod kernel;
 mod kriging;
 mod learn;
 mod linear;
-mod lookup;
 mod own;
 mod predictor;
 mod rank;
@@ -28,10 +26,9 @@ mod stamp;
 #[cfg(test)]
 mod tests;
 
-pub use blow::Blow;
 pub use body::{Body, Sample};
 pub use features::Strike;
-pub use hits::{Hit, Prediction, Told};
+pub use hits::{Blow, Hit, Prediction, Told};
 pub use own::Fields;
 pub(crate) use predictor::MOST_SCALE;
 pub use predictor::{Predictor, Scratch};

@@ -1,11 +1,13 @@
 //! The learned rule as plain data, and what it says of a hit.
 
-use super::body::held;
+use super::body::Body;
 use super::features::{Point, Points, STRENGTH_AXIS, Strike, point};
+use super::hits::Typical;
 use super::kernel::{GROUPS, exp, matern};
+use super::linear::add;
 use super::own::{self, Fields};
 use super::size::SizeLaw;
-use super::stamp::{Frames, STAMP, View, reads};
+use super::stamp::{STAMP, View, reads};
 use super::{Blow, Hit, Prediction, Told};
 use crate::base::math::{Four, add_rows, side_by_side, squares};
 use crate::mesh::mirror::Mirror;
@@ -72,7 +74,7 @@ impl Part {
         weights.clear();
         weights.extend(&self.mean);
         for (k, row) in scratch.iter().zip(self.coefficients.chunks_exact(rank)) {
-            super::linear::add(weights, *k, row);
+            add(weights, *k, row);
         }
         let columns = out.len();
         let modes = weights.chunks(4).zip(self.steps.chunks(4)).zip(self.modes.chunks(4 * columns));
@@ -112,26 +114,10 @@ pub(super) struct Model {
     pub far: f64,
 }
 
-/// What is assumed of unknown numbers of a blow.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct Typical {
-    /// kg
-    pub mass: f64,
-    /// m
-    pub radius: f64,
-    pub kind: u32,
-    pub rebound: f64,
-}
-
 /// A learned rule: from hits to displacement fields at the points of a body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Predictor {
-    pub(super) points: Vec<Vec3>,
-    pub(super) normals: Vec<Vec3>,
-    /// See [`Body::held`](super::Body::held).
-    pub(super) held: Vec<f32>,
-    pub(super) diagonal: f64,
-    pub(super) frames: Frames,
+    pub(super) body: Body,
     /// For each mirror the partner of each point; empty if no image is used.
     pub(super) partners: Vec<(Mirror, Vec<u32>)>,
     pub(super) typical: Typical,
@@ -163,33 +149,6 @@ pub(super) fn wide(is_blow: bool, strength: f64) -> f64 {
     exp((exponent * strength).clamp(-1.4, 1.4))
 }
 
-/// The space of hits: what a hit is as a point.
-pub(super) fn blow_point(blow: &Blow, place: Vec3, normal: Vec3, diagonal: f64, typical: &Typical) -> Option<Point> {
-    Some(point(place, normal, diagonal, &strike(blow, normal, typical)?))
-}
-
-/// What the regressions know of a blow; `None` if it points out of the body or tells neither velocity nor impulse.
-fn strike(blow: &Blow, normal: Vec3, typical: &Typical) -> Option<Strike> {
-    let s = blow.strike(normal, typical.mass, typical.rebound)?;
-    let radius = blow.radius.map_or(typical.radius, f64::from).max(1e-6);
-    let kind = f64::from(blow.kind.unwrap_or(typical.kind));
-    Some(Strike { strength: s.energy, mass: s.mass.unwrap_or(typical.mass), radius, direction: s.tangent, kind })
-}
-
-/// The same for a displacement; `None` if it is zero.
-pub(super) fn displacement_point(u: Vec3, place: Vec3, normal: Vec3, diagonal: f64) -> Option<Point> {
-    let u = u.as_dvec3();
-    let depth = u.length();
-    if depth.is_nan() || depth <= 0.0 {
-        return None;
-    }
-    let n = normal.as_dvec3();
-    let lean = u / depth;
-    let lean = lean - n * lean.dot(n);
-    let strike = Strike { strength: depth, mass: 1.0, radius: 1.0, direction: lean.to_array(), kind: 0.0 };
-    Some(point(place, normal, diagonal, &strike))
-}
-
 impl Predictor {
     /// Relative L2 error of each sample's field when the others predict it from the blow (from the displacement if it knows no blow), in the
     /// order in which they were given.
@@ -218,8 +177,8 @@ impl Predictor {
         let part = |p: &Part| p.modes.len() * 2 + p.steps.len() * 4 + (p.coefficients.len() + p.mean.len()) * 8;
         let model = |m: &Model| part(&m.carried) + part(&m.anchored) + m.rows.len() * (2 * 104 + 8 * 3 + 8);
         let partners: usize = self.partners.iter().map(|(_, p)| 4 * p.len()).sum();
-        self.points.len() * 24
-            + self.held.len() * 4
+        self.body.points.len() * 24
+            + self.body.held.len() * 4
             + partners
             + self.order.len() * 4
             + self.displacement.as_ref().map_or(0, model)
@@ -229,7 +188,7 @@ impl Predictor {
     /// What is known of a blow on a surface with this unit normal, the rest assumed. `None` if it points out of the body, or tells
     /// neither velocity nor impulse.
     pub fn strike(&self, blow: &Blow, normal: Vec3) -> Option<Strike> {
-        strike(blow, normal, &self.typical)
+        blow.strike(normal, &self.typical)
     }
 
     /// Predicts the displacements of all points, m, four side by side; those behind the last point do not move. A blow that points out of
@@ -237,15 +196,16 @@ impl Predictor {
     ///
     /// `fields` are those of the samples that it was learned from: a sample's own hit gives its field.
     pub fn predict<'s>(&self, hit: &Hit, fields: &dyn Fields, scratch: &'s mut Scratch) -> (Prediction, &'s [Four]) {
-        let (place, normal, diagonal) = (hit.contact, hit.normal, self.diagonal);
-        let (model, x, told) = match hit.told {
-            Told::Strike(strike) => (&self.blow, Some(point(place, normal, diagonal, &strike)), None),
-            Told::Displacement(u) => {
-                (&self.displacement, displacement_point(u, place, normal, diagonal), Some(u.length()))
-            }
+        let Predictor { body, reach, .. } = self;
+        let (model, strike, told) = match hit.told {
+            Told::Strike(strike) => (&self.blow, Some(strike), None),
+            Told::Displacement(u) => (&self.displacement, Strike::of_displacement(u, hit.normal), Some(u.length())),
         };
-        let Some(model) = model else { return Default::default() };
-        let Some(x) = x.filter(|x| x.iter().all(|v| v.is_finite())) else { return Default::default() };
+        let (Some(model), Some(strike)) = (model, strike) else { return Default::default() };
+        let x = point(hit.contact, hit.normal, body.diagonal, &strike);
+        if !x.iter().all(|v| v.is_finite()) {
+            return Default::default();
+        }
         let n = model.rows.len();
         let s = scratch;
         model.points.differences(&x, &mut s.differences);
@@ -261,20 +221,20 @@ impl Predictor {
         let wide = wide(told.is_none(), strength - model.reference);
 
         s.field.clear();
-        s.field.resize(3 * self.points.len(), 0.0);
+        s.field.resize(3 * body.points.len(), 0.0);
         model.anchored.add(n, &s.differences, &mut s.sums, &mut s.weights, &mut s.field);
         s.stamp.clear();
         s.stamp.resize(STAMP, 0.0);
         model.carried.add(n, &s.differences, &mut s.sums, &mut s.weights, &mut s.stamp);
         let (w, v) = (model.share as f32, (1.0 - model.share) as f32);
-        let view = View::new(&self.frames, hit.contact, hit.normal, self.diagonal, wide);
+        let view = View::new(&body.frames, hit.contact, hit.normal, body.diagonal, wide);
         view.turned(&s.stamp, v / wide as f32, &mut s.turned);
-        let far = END * self.reach;
+        let far = END * reach;
         // Of the point nearest to the contact, and how it would move without held rims.
         let (mut contact, mut least, mut open) = (0, f32::INFINITY, Vec3::ZERO);
         let mut sums = [0.0f64; 4];
         s.fours.clear();
-        let points = self.points.chunks(4).zip(self.normals.chunks(4)).zip(s.field.as_chunks::<3>().0.chunks(4));
+        let points = body.points.chunks(4).zip(body.normals.chunks(4)).zip(s.field.as_chunks::<3>().0.chunks(4));
         for (first, ((points, normals), field)) in (0..).step_by(4).zip(points) {
             // Missing points are outside.
             let at = side_by_side(points, f32::INFINITY);
@@ -292,14 +252,14 @@ impl Predictor {
             }
             let cells = view.cells(&at, &side_by_side(normals, 0.0));
             let carried = reads(&s.turned, &cells);
-            let share = Vec4::from([0, 1, 2, 3].map(|i| held(&self.held, first + i)));
+            let share = Vec4::from([0, 1, 2, 3].map(|i| body.held(first + i)));
             let anchored = side_by_side(bytemuck::cast_slice(field), 0.0);
             let mut sum: Four = std::array::from_fn(|k| anchored[k] * w + carried[k] * share);
             if is_nearest {
                 open = Vec3::from([0, 1, 2].map(|k| (anchored[k] * w + carried[k])[contact % 4]));
             }
-            if distances.max_element() > self.reach * self.reach {
-                let off = distances.to_array().map(|d| d.sqrt() / self.reach);
+            if distances.max_element() > reach * reach {
+                let off = distances.to_array().map(|d| d.sqrt() / reach);
                 let t = ((Vec4::from(off) - END) / (1.0 - END)).clamp(Vec4::ZERO, Vec4::ONE);
                 let fade = t * t * (3.0 - 2.0 * t);
                 sum = sum.map(|u| u * fade);

@@ -1,6 +1,6 @@
 //! Rows of numbers as mixtures of a few.
 
-use super::linear::{add, add32, dot32};
+use super::linear::{add, dot, product};
 
 /// Rows of low rank: each is a sum of coefficients times modes.
 #[derive(Debug, Clone, Default)]
@@ -22,7 +22,7 @@ pub(super) fn gram(rows: &[f32], columns: usize) -> Vec<f64> {
     let mut g = vec![0.0; n * n];
     for i in 0..n {
         for j in 0..=i {
-            let x = dot32(&rows[i * columns..(i + 1) * columns], &rows[j * columns..(j + 1) * columns]);
+            let x = dot(&rows[i * columns..(i + 1) * columns], &rows[j * columns..(j + 1) * columns]);
             (g[i * n + j], g[j * n + i]) = (x, x);
         }
     }
@@ -36,7 +36,7 @@ impl LowRank {
         let n = rows.len() / columns.max(1);
         let total: f64 = (0..n).map(|i| gram[i * n + i]).sum();
         if total.is_nan() || total <= 0.0 {
-            return Self { rank: 0, modes: Vec::new(), coefficients: Vec::new() };
+            return Self::default();
         }
         // Start: the row with the largest part that is not yet explained, again and again (pivoted Cholesky).
         let mut left: Vec<f64> = (0..n).map(|i| gram[i * n + i]).collect();
@@ -56,12 +56,12 @@ impl LowRank {
         // Orthogonal iteration turns it towards the leading eigenvectors of the scalar products.
         for _ in 0..ROUNDS {
             orthonormal(&mut factor);
-            factor = factor.iter().map(|f| super::linear::product(gram, f, n, 1)).collect();
+            factor = factor.iter().map(|f| product(gram, f, n, 1)).collect();
         }
         let mut energies: Vec<(f64, usize)> = Vec::new();
         orthonormal(&mut factor);
         for (k, f) in factor.iter().enumerate() {
-            energies.push((super::linear::dot(&super::linear::product(gram, f, n, 1), f), k));
+            energies.push((dot(&product(gram, f, n, 1), f), k));
         }
         energies.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         let mut rest = total;
@@ -77,21 +77,21 @@ impl LowRank {
         let mut modes: Vec<Vec<f32>> = Vec::new();
         for weights in &basis {
             let mut mode = vec![0.0f32; columns];
-            weights.iter().zip(rows.chunks_exact(columns)).for_each(|(w, row)| add32(&mut mode, *w as f32, row));
+            weights.iter().zip(rows.chunks_exact(columns)).for_each(|(w, row)| add(&mut mode, *w as f32, row));
             for _ in 0..2 {
                 for other in &modes {
-                    let along = dot32(&mode, other);
-                    add32(&mut mode, -along as f32, other);
+                    let along = dot(&mode, other);
+                    add(&mut mode, -along as f32, other);
                 }
             }
-            let length = dot32(&mode, &mode).sqrt();
+            let length = dot(&mode, &mode).sqrt();
             if length > 1e-12 * total.sqrt() {
                 mode.iter_mut().for_each(|x| *x = (f64::from(*x) / length) as f32);
                 modes.push(mode);
             }
         }
         let coefficients =
-            rows.chunks_exact(columns).flat_map(|row| modes.iter().map(|mode| dot32(row, mode)).collect::<Vec<_>>());
+            rows.chunks_exact(columns).flat_map(|row| modes.iter().map(|mode| dot(row, mode)).collect::<Vec<_>>());
         Self { rank: modes.len(), coefficients: coefficients.collect(), modes: modes.concat() }
     }
 
@@ -99,7 +99,7 @@ impl LowRank {
     pub(super) fn mix(&self, weights: &[f64], out: &mut [f32]) {
         let columns = out.len();
         for (w, mode) in weights.iter().zip(self.modes.chunks_exact(columns.max(1))) {
-            add32(out, *w as f32, mode);
+            add(out, *w as f32, mode);
         }
     }
 }
@@ -108,14 +108,14 @@ impl LowRank {
 fn orthonormal(vectors: &mut Vec<Vec<f64>>) {
     let mut done: Vec<Vec<f64>> = Vec::new();
     for mut v in vectors.drain(..) {
-        let before = super::linear::dot(&v, &v).sqrt();
+        let before = dot(&v, &v).sqrt();
         for _ in 0..2 {
             for d in &done {
-                let along = super::linear::dot(&v, d);
+                let along = dot(&v, d);
                 add(&mut v, -along, d);
             }
         }
-        let length = super::linear::dot(&v, &v).sqrt();
+        let length = dot(&v, &v).sqrt();
         if length > 1e-9 * before && length > 0.0 {
             v.iter_mut().for_each(|x| *x /= length);
             done.push(v);

@@ -53,10 +53,8 @@ impl SizeLaw {
         let law = [law[0], (law[1] + exponent).max(LEAST_SLOPE), law[2], law[3]];
         let base = |p: &Point| row(p).iter().zip(law).map(|(x, b)| x * b).sum::<f64>();
         let rest: Vec<f64> = points.iter().zip(logs).map(|(p, y)| y - base(p)).collect();
-        let gram: Vec<f64> =
-            used.iter().flat_map(|i| used.iter().map(|j| rest[*i] * rest[*j]).collect::<Vec<_>>()).collect();
-        let some: Vec<Point> = used.iter().map(|i| points[*i]).collect();
-        let lengths = fit(&some, &gram, &Prior { mean: prior, deviation: 1.0, outputs: 1.0, ordinary: true });
+        let prior = Prior { mean: prior, deviation: 1.0, outputs: 1.0, ordinary: true };
+        let lengths = fit(points, used, |i, j| rest[i] * rest[j], &prior);
         let kriging = Kriging::new(points, &lengths, true);
         let missed = kriging.missed(&rest, 1, groups);
         let (mean, coefficients) = kriging.coefficients(&rest, 1);
