@@ -39,7 +39,7 @@ impl ExampleSet {
         let rule = LearnedRule::learn(&self.rule_source(&nodes), tasks);
         let mut hash = XxHash3_64::new();
         hash.write(&self.fingerprint().to_le_bytes());
-        hash.write(&rule.to_bytes()?);
+        hash.write(&rule.predictor.to_bytes()?);
         self.set_fingerprint(hash.finish());
         self.follow(nodes, vec![basis.rows], Some(report));
         self.set_rule(rule);

@@ -13,12 +13,16 @@ use crate::mesh::data::MeshData;
 use crate::mesh::rim::Rim;
 use crate::mesh::surface::{IndexedTriangle, SurfaceIndex, closest};
 use glam::Vec3;
+use std::sync::Arc;
 
 /// Number of vertices that one task binds.
 const CHUNK: usize = 512;
 /// Triangles count as equally near if their squared distances differ by at most this share. Such triangles meet at a
 /// hard edge.
 const EQUALLY_NEAR: f32 = 1e-6;
+/// At most as many equally near triangles are compared, so that the time does not grow with the square of the vertices where
+/// thousands lie at one place.
+const MOST: usize = 256;
 
 impl ExampleSet {
     /// Adds another mesh that shows the same damage: a level of detail or a collision proxy. The mesh must be of the
@@ -41,12 +45,8 @@ impl ExampleSet {
             other => other,
         })?;
         let mesh = if self.mesh().normals().is_some() { mesh } else { mesh.without_normals() };
-        let indexed = self.surface_is_indexed();
-        let rows = rows_of(self, &self.base_lod().rows, &mesh, tasks);
-        if !indexed {
-            self.forget_surface();
-        }
-        let (rows, farthest) = rows?;
+        let (bound, farthest) = bind(self, &mesh, tasks)?;
+        let rows = Rows::of_other_mesh(&mesh, &self.base_lod().rows, |v| bound[v as usize], tasks);
         let nearest = |p: &Vec3| self.nearest_vertex(p.to_array()).map(|n| n.vertex);
         let mesh = if self.mesh().limits().is_empty() {
             mesh
@@ -55,69 +55,40 @@ impl ExampleSet {
             mesh.with_limits_of(self.mesh(), &nearest)
         };
         let mut shown = MeshLod::new(mesh, Rim::default(), Vec::new());
-        shown.rows = std::sync::Arc::new(rows);
+        shown.rows = Arc::new(rows);
         let report = LodReport { vertices: shown.vertex_count(), bytes: shown.bytes(), farthest };
         self.push_lod(shown, report);
         Ok(lod)
     }
 }
 
-/// A point on a base triangle: corners and barycentric weights.
-#[derive(Debug, Clone, Copy)]
-struct Corners {
-    vertices: [u32; 3],
-    weights: [f64; 3],
-}
-
-impl Corners {
-    fn vertex(v: u32) -> Self {
-        Corners { vertices: [v; 3], weights: [1.0, 0.0, 0.0] }
-    }
-}
-
-/// At most as many equally near triangles are compared, so that the time does not grow with the square of the vertices where
-/// thousands lie at one place.
-const MOST: usize = 256;
-
-/// How the vertices of another mesh follow the nodes, where the base mesh has these rows, and the greatest distance of a vertex from
-/// the base surface, m.
-pub(super) fn rows_of(
-    set: &ExampleSet,
-    base: &Rows,
-    mesh: &Mesh,
-    tasks: &dyn TaskSystem,
-) -> Result<(Rows, f32), Error> {
-    let (bound, farthest) = bind(set, mesh, tasks)?;
-    let at = |v: u32| {
-        let Corners { vertices, weights } = bound[v as usize];
-        [0, 1, 2].map(|k| (vertices[k], weights[k]))
-    };
-    Ok((Rows::of_other_mesh(mesh, base, at, tasks), farthest))
-}
+/// A point of the base surface: three base vertices and their shares.
+type Bound = [(u32, f64); 3];
 
 /// Binds every vertex to a point of the base surface, the same for all vertices at one position. Also returns the greatest
 /// distance, m.
-fn bind(set: &ExampleSet, mesh: &Mesh, tasks: &dyn TaskSystem) -> Result<(Vec<Corners>, f32), Error> {
-    let positions = mesh.positions();
-    let surface = set.surface()?;
-    let chunks = map(tasks, (0..positions.len()).step_by(CHUNK), |from| {
-        let range = from..(from + CHUNK).min(positions.len());
-        range.map(|v| bind_one(set, surface, positions[v])).collect::<Result<Vec<_>, Error>>()
+fn bind(set: &ExampleSet, mesh: &Mesh, tasks: &dyn TaskSystem) -> Result<(Vec<Bound>, f32), Error> {
+    let surface = SurfaceIndex::new(set.mesh());
+    let chunks = map(tasks, mesh.positions().chunks(CHUNK), |chunk| {
+        chunk.iter().map(|p| bind_one(set, &surface, *p)).collect::<Result<Vec<_>, Error>>()
     });
-    let mut all = reserve(positions.len(), "a level of detail's vertices")?;
+    let mut all = reserve(mesh.positions().len(), "a level of detail's vertices")?;
     let mut farthest = 0.0f32;
-    for (corners, distance) in chunks.into_iter().collect::<Result<Vec<_>, Error>>()?.into_iter().flatten() {
-        all.push(corners);
-        farthest = farthest.max(distance);
+    for chunk in chunks {
+        for (bound, distance) in chunk? {
+            all.push(bound);
+            farthest = farthest.max(distance);
+        }
     }
     Ok((all, farthest))
 }
 
 /// Binds the vertex at `p`. Also returns its distance, m. Among triangles that are equally near, up to rounding, the first counts.
-fn bind_one(set: &ExampleSet, surface: &SurfaceIndex, p: Vec3) -> Result<(Corners, f32), Error> {
+fn bind_one(set: &ExampleSet, surface: &SurfaceIndex, p: Vec3) -> Result<(Bound, f32), Error> {
     let near = set.nearest_vertex(p.to_array())?;
-    if set.mesh().positions()[near.vertex as usize] == p || surface.is_empty() {
-        return Ok((Corners::vertex(near.vertex), near.distance));
+    let at_vertex = ([(near.vertex, 1.0), (near.vertex, 0.0), (near.vertex, 0.0)], near.distance);
+    if set.mesh().positions()[near.vertex as usize] == p {
+        return Ok(at_vertex);
     }
     let mut nearest: Vec<(f32, &IndexedTriangle)> = Vec::new();
     for (d, t) in surface.by_distance(p) {
@@ -128,7 +99,8 @@ fn bind_one(set: &ExampleSet, surface: &SurfaceIndex, p: Vec3) -> Result<(Corner
         nearest.push((d, t));
     }
     let first = nearest.iter().min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.vertices.cmp(&b.1.vertices)));
-    Ok(first.map_or((Corners::vertex(near.vertex), near.distance), |(d, t)| {
-        (Corners { vertices: t.vertices, weights: closest(t.corners(), p) }, d.sqrt())
+    Ok(first.map_or(at_vertex, |(d, t)| {
+        let weights = closest(t.corners(), p);
+        ([0, 1, 2].map(|k| (t.vertices[k], weights[k])), d.sqrt())
     }))
 }

@@ -1,6 +1,6 @@
 //! A list of at most `N` elements stored inline, so that selection does not allocate.
 
-use std::ops::{Deref, DerefMut};
+use std::ops::Deref;
 
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ArrayVec<T, const N: usize> {
@@ -30,19 +30,5 @@ impl<T, const N: usize> Deref for ArrayVec<T, N> {
     type Target = [T];
     fn deref(&self) -> &[T] {
         &self.items[..self.len]
-    }
-}
-
-impl<T, const N: usize> DerefMut for ArrayVec<T, N> {
-    fn deref_mut(&mut self) -> &mut [T] {
-        &mut self.items[..self.len]
-    }
-}
-
-impl<'a, T, const N: usize> IntoIterator for &'a ArrayVec<T, N> {
-    type Item = &'a T;
-    type IntoIter = std::slice::Iter<'a, T>;
-    fn into_iter(self) -> Self::IntoIter {
-        self.iter()
     }
 }

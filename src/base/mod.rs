@@ -3,6 +3,7 @@
 pub(crate) mod array;
 pub(crate) mod array_vec;
 pub(crate) mod error;
+pub(crate) mod lists;
 pub(crate) mod math;
 pub(crate) mod memory;
 pub(crate) mod pairs;

@@ -1,6 +1,6 @@
 //! Fits the weights of a tile's vertices: least squares over fields, towards kriging from the nodes where fields say little.
 
-use super::slopes::Slopes;
+use super::slopes::{Entry, Slopes};
 use super::{MOST_WEIGHT, ONE, TILE};
 use crate::base::math::nearest_whole;
 use crate::mesh::Mesh;
@@ -33,8 +33,8 @@ pub(crate) struct Fitting<'a> {
     pub nodes: &'a [Vec3],
     /// Their tree, by their index.
     pub index: &'a VertexIndex,
-    /// `None`: only positions are fitted.
-    pub slopes: Option<&'a Slopes>,
+    /// Empty: only positions are fitted.
+    pub slopes: &'a Slopes,
     /// Whether other vertices share the vertex's position.
     pub shared: &'a [bool],
     /// Whether the vertex follows nothing.
@@ -94,16 +94,14 @@ impl Fitting<'_> {
         let nodes = self.tile_nodes(vertices.clone());
         // The tile's positions and, for slopes, those around them.
         let mut targets: Vec<u32> = vertices.clone().map(|v| weld[v]).collect();
-        if let Some(slopes) = self.slopes {
-            targets.extend(vertices.clone().flat_map(|v| slopes.entries(v)).map(|(neighbour, _)| *neighbour));
-        }
+        targets.extend(vertices.clone().flat_map(|v| self.slopes.entries(v)).map(|(neighbour, _)| *neighbour));
         targets.sort_unstable();
         targets.dedup();
         let solved = self.solve(&nodes, &targets);
         let spacing = self.spacing(&nodes.iter().map(|n| self.position(*n)).collect::<Vec<_>>());
         let mut out = FittedTile {
             weights: vec![[0; TILE]; nodes.len()],
-            slopes: if self.slopes.is_some() { vec![[[0.0; 2]; TILE]; nodes.len()] } else { Vec::new() },
+            slopes: vec![[[0.0; 2]; TILE]; if self.slopes.is_empty() { 0 } else { nodes.len() }],
             nodes,
         };
         for (i, v) in vertices.enumerate() {
@@ -162,13 +160,8 @@ impl Fitting<'_> {
     }
 
     /// The entries of a vertex's slopes, but for held neighbours.
-    fn moving(&self, v: usize) -> impl Iterator<Item = &(u32, [f32; 2])> {
-        self.entries(v).iter().filter(|(neighbour, _)| !self.held[*neighbour as usize])
-    }
-
-    /// The entries of a vertex's slopes; none if there are no slopes.
-    fn entries(&self, v: usize) -> &[(u32, [f32; 2])] {
-        self.slopes.map_or(&[], |s| s.entries(v))
+    fn moving(&self, v: usize) -> impl Iterator<Item = &Entry> {
+        self.slopes.entries(v).iter().filter(|(neighbour, _)| !self.held[*neighbour as usize])
     }
 
     /// For each target vertex, the weights of the nodes: with the weakest prior that keeps them tame.

@@ -115,8 +115,7 @@ fn learned(
 ) -> (Vec<u32>, Rows, f32) {
     let mesh = images.mesh;
     let shared = shared(mesh.weld());
-    let slopes = Slopes::of(mesh);
-    let slopes = Some(&slopes).filter(|s| !s.is_empty());
+    let (slopes, none) = (Slopes::of(mesh), Slopes::default());
     let count = mesh.positions().len().div_ceil(TILE);
     let mut round = 0;
     loop {
@@ -130,7 +129,7 @@ fn learned(
             at_nodes: &at_nodes,
             nodes: &positions,
             index: &tree,
-            slopes: slopes.filter(|_| is_last),
+            slopes: if is_last { &slopes } else { &none },
             shared: &shared,
             held,
         };
@@ -147,7 +146,7 @@ fn learned(
             refine(images, &mut more, &errors, &distances, options.tolerance);
         }
         if more.len() == nodes.len() {
-            let fitting = Fitting { slopes, ..fitting };
+            let fitting = Fitting { slopes: &slopes, ..fitting };
             return (nodes, rows(mesh, map(tasks, 0..count, |t| fitting.tile(t))), worst);
         }
         (nodes, round) = (more, round + 1);
@@ -191,10 +190,9 @@ impl Rows {
             mesh,
             map(tasks, 0..mesh.positions().len().div_ceil(TILE), |t| {
                 let range = t * TILE..((t + 1) * TILE).min(mesh.positions().len());
-                let entries = |v: usize| if slopes.is_empty() { &[][..] } else { slopes.entries(v) };
                 // The vertices whose rows the tile needs, and these.
                 let mut needed: Vec<u32> = range.clone().map(|v| v as u32).collect();
-                needed.extend(range.clone().flat_map(entries).map(|(neighbour, _)| *neighbour));
+                needed.extend(range.clone().flat_map(|v| slopes.entries(v)).map(|(neighbour, _)| *neighbour));
                 needed.sort_unstable();
                 needed.dedup();
                 let found: Vec<Vec<(u32, f64)>> = needed.iter().map(|v| row(*v)).collect();
@@ -211,7 +209,7 @@ impl Rows {
                     // Less than 1 near held vertices.
                     let total = own.iter().sum::<f64>() * f64::from(ONE);
                     weights.iter_mut().zip(rounded(&own, libm::round(total) as i32)).for_each(|(to, w)| to[lane] = w);
-                    for (neighbour, along) in entries(v) {
+                    for (neighbour, along) in slopes.entries(v) {
                         for (node, w) in row(*neighbour) {
                             add_slope(&mut turns[place(*node)][lane], *along, *w);
                         }

@@ -16,8 +16,8 @@ pub(crate) struct Changes {
 impl Changes {
     /// Marks the blocks with vertices that follow a node, at the last epoch.
     pub(crate) fn node(&mut self, set: &ExampleSet, node: u32) {
-        for (mesh, blocks) in set.nodes().followers().iter().zip(&mut self.blocks) {
-            mesh.of(node).iter().for_each(|b| blocks[*b as usize] = self.epoch);
+        for (mesh, blocks) in set.nodes().followers.iter().zip(&mut self.blocks) {
+            mesh.of(node as usize).iter().for_each(|b| blocks[*b as usize] = self.epoch);
         }
     }
 

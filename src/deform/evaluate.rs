@@ -94,7 +94,7 @@ fn followed(
         if let Some((to, base)) = normals.zip(base_normals) {
             to.copy_from_slice(base);
         }
-        return job.lod.block_bounds[job.block];
+        return job.lod.mesh.block_bounds()[job.block];
     }
     let Scratch { moves, base: whole_base, base_normals: whole_normals, positions: short_to, normals: short_normals } =
         scratch;

@@ -12,7 +12,6 @@ use std::sync::{Arc, OnceLock};
 #[derive(Debug)]
 pub(crate) struct MeshLod {
     pub mesh: Mesh,
-    pub block_bounds: Arc<[Aabb]>,
     pub rim: Rim,
     /// One per example of the set, where it was made: of the nodes, and of the base mesh if it has them. Other meshes have none.
     pub anchored: Vec<Arc<DeltaBlocks>>,
@@ -23,14 +22,7 @@ pub(crate) struct MeshLod {
 
 impl MeshLod {
     pub(crate) fn new(mesh: Mesh, rim: Rim, anchored: Vec<Arc<DeltaBlocks>>) -> Self {
-        MeshLod {
-            block_bounds: mesh.block_bounds().clone(),
-            mesh,
-            rim,
-            anchored,
-            rows: Arc::default(),
-            edge: OnceLock::new(),
-        }
+        MeshLod { mesh, rim, anchored, rows: Arc::default(), edge: OnceLock::new() }
     }
 
     /// The displacements of all vertices by an example where it was made, m.
@@ -65,6 +57,6 @@ impl MeshLod {
     }
 
     pub(crate) fn blocks(&self) -> usize {
-        self.block_bounds.len()
+        self.mesh.block_bounds().len()
     }
 }

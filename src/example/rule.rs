@@ -23,7 +23,7 @@ pub(crate) type Key = [u32; 6];
 /// A learned rule, and its latest predictions.
 #[derive(Debug)]
 pub(crate) struct LearnedRule {
-    predictor: Predictor,
+    pub predictor: Predictor,
     /// What the examples that move anything move the nodes by.
     fields: Moves,
     recent: Mutex<Recent>,
@@ -113,7 +113,7 @@ impl LearnedRule {
         LearnedRule { predictor, fields: Moves::of(source), recent: Mutex::default() }
     }
 
-    /// The rule of a set from [`LearnedRule::to_bytes`].
+    /// The rule of a set from [`Predictor::to_bytes`], as section rule of a file has them.
     ///
     /// # Errors
     /// [`Error::Format`].
@@ -129,24 +129,6 @@ impl LearnedRule {
             return Err(Error::Format { what });
         }
         Ok(LearnedRule { predictor, fields, recent: Mutex::default() })
-    }
-
-    /// What was learned, as section rule of a file has it.
-    ///
-    /// # Errors
-    /// [`Error::Format`] for numbers that are not finite.
-    pub(crate) fn to_bytes(&self) -> Result<Vec<u8>, Error> {
-        self.predictor.to_bytes()
-    }
-
-    /// For each example that moves anything, the relative L2 error with which the others predict it.
-    pub(crate) fn errors(&self) -> Vec<f32> {
-        self.predictor.errors()
-    }
-
-    /// Whether it predicts blows: some example knows its own. It always predicts displacements.
-    pub(crate) fn predicts_blows(&self) -> bool {
-        self.predictor.knows_blows()
     }
 
     /// What is known of a blow on a surface with this unit normal. `None` if it points out of the body.

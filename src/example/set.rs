@@ -8,6 +8,7 @@ use super::report::{LodReport, SetReport};
 use super::rule::{LearnedRule, Source};
 use crate::base::array::Array;
 use crate::base::error::Error;
+use crate::base::lists::Lists;
 use crate::basis::learn::BasisReport;
 use crate::basis::{Rows, TILE};
 use crate::mesh::mirror::Mirror;
@@ -58,59 +59,20 @@ pub struct ExampleSet {
 pub(crate) struct SetNodes {
     /// The nodes as a mesh without triangles, with the set's examples on it.
     pub lod: MeshLod,
-    /// One for each mesh of the set.
-    followers: Vec<Followers>,
+    /// For each mesh of the set and each node, the blocks that have a vertex which follows it.
+    pub followers: Vec<Lists<u32>>,
 }
 
-/// The blocks of a mesh that have a vertex which follows each node: where those of each node end, and the blocks.
-#[derive(Debug)]
-pub(crate) struct Followers {
-    ends: Vec<u32>,
-    blocks: Vec<u32>,
-}
-
-impl SetNodes {
-    /// The followers of each mesh of the set.
-    pub(crate) fn followers(&self) -> &[Followers] {
-        &self.followers
-    }
-}
-
-impl Followers {
-    fn new(rows: &Rows, nodes: usize) -> Self {
-        // Each node and block once, by block.
-        let visit = |f: &mut dyn FnMut(usize, u32)| {
-            let mut last = vec![u32::MAX; nodes];
-            for tile in 0..rows.tiles.len() {
-                let block = (tile / (BLOCK / TILE)) as u32;
-                for node in rows.nodes_of(tile).iter().map(|n| *n as usize) {
-                    if std::mem::replace(&mut last[node], block) != block {
-                        f(node, block);
-                    }
-                }
-            }
-        };
-        let mut ends = vec![0u32; nodes];
-        visit(&mut |node, _| ends[node] += 1);
-        let mut sum = 0;
-        for end in &mut ends {
-            sum += *end;
-            *end = sum - *end;
-        }
-        let mut blocks = vec![0; sum as usize];
-        visit(&mut |node, block| {
-            blocks[ends[node] as usize] = block;
-            ends[node] += 1;
-        });
-        Followers { ends, blocks }
-    }
-
-    /// The blocks with a vertex that follows the node.
-    pub(crate) fn of(&self, node: u32) -> &[u32] {
-        let n = node as usize;
-        let from = if n == 0 { 0 } else { self.ends[n - 1] };
-        &self.blocks[from as usize..self.ends[n] as usize]
-    }
+/// For each of some nodes the blocks that have a vertex which follows it.
+fn followers(rows: &Rows, nodes: usize) -> Lists<u32> {
+    let block = |tile: usize| (tile / (BLOCK / TILE)) as u32;
+    // Each node and block once, by block.
+    Lists::new(nodes, || {
+        let all =
+            (0..rows.tiles.len()).flat_map(|tile| rows.nodes_of(tile).iter().map(move |n| (*n as usize, block(tile))));
+        let mut last = vec![u32::MAX; nodes];
+        all.filter(move |(node, block)| std::mem::replace(&mut last[*node], *block) != *block)
+    })
 }
 
 /// Maximum number of meshes of a set: the base mesh and its levels of detail.
@@ -154,7 +116,7 @@ impl ExampleSet {
             repaired_normals: mesh.repaired_normals(),
             degenerate_triangles: mesh.degenerate_triangles(),
             mirror_planes: p.planes,
-            held_vertices: p.base.rim.vertices(),
+            held_vertices: p.base.rim.held.len(),
             lods: p.lods.iter().map(|l| l.1).collect(),
             ..Default::default()
         };
@@ -314,7 +276,7 @@ impl ExampleSet {
 
     /// Lets all meshes follow nodes, with rows for each of them. The rule is to be learned again.
     pub(crate) fn follow(&mut self, lod: MeshLod, rows: Vec<Rows>, report: Option<BasisReport>) {
-        let followers = rows.iter().map(|rows| Followers::new(rows, lod.vertex_count())).collect();
+        let followers = rows.iter().map(|rows| followers(rows, lod.vertex_count())).collect();
         self.rule = None;
         self.basis_report = report;
         for (mesh, rows) in std::iter::once(&mut self.base).chain(&mut self.lods).zip(rows) {
@@ -334,13 +296,13 @@ impl ExampleSet {
 
     /// Whether a hit may be told as a blow: some example knows its own. Otherwise a displacement is made of its impulse.
     pub fn predicts_blows(&self) -> bool {
-        self.rule().predicts_blows()
+        self.rule().predictor.knows_blows()
     }
 
     /// For each example the relative L2 error with which the others predict it: from its blow, or from its displacement if it knows none.
     /// 1 is the error of no dent at all; 0 for an example that moves nothing.
     pub fn example_errors(&self) -> Vec<f32> {
-        let mut errors = self.rule().errors().into_iter();
+        let mut errors = self.rule().predictor.errors().into_iter();
         self.examples.iter().map(|e| if e.is_empty() { 0.0 } else { errors.next().unwrap_or(1.0) }).collect()
     }
 
@@ -361,24 +323,15 @@ impl ExampleSet {
     /// Adds a mesh that follows the set's nodes.
     pub(crate) fn push_lod(&mut self, lod: MeshLod, report: LodReport) {
         if let Some(nodes) = &mut self.nodes {
-            nodes.followers.push(Followers::new(&lod.rows, nodes.lod.vertex_count()));
+            nodes.followers.push(followers(&lod.rows, nodes.lod.vertex_count()));
         }
         self.lods.push(lod);
         self.report.lods.push(report);
     }
 
     /// Spatial index of the base mesh's triangles. The first call builds it.
-    pub(crate) fn surface(&self) -> Result<&SurfaceIndex, Error> {
-        Ok(self.surface.get_or_init(|| SurfaceIndex::new(self.mesh())))
-    }
-
-    pub(crate) fn surface_is_indexed(&self) -> bool {
-        self.surface.get().is_some()
-    }
-
-    /// Frees the index of [`ExampleSet::surface`].
-    pub(crate) fn forget_surface(&mut self) {
-        self.surface.take();
+    pub(crate) fn surface(&self) -> &SurfaceIndex {
+        self.surface.get_or_init(|| SurfaceIndex::new(self.mesh()))
     }
 
     /// Mass of vertex `v`, kg. `None` if unknown.

@@ -40,7 +40,7 @@ impl ExampleSet {
         let p = finite(point, || "point".into())?;
         let vertex = self.nearest_vertex(point)?.vertex;
         let single = Attachment { vertices: [vertex; 3], weights: [1.0, 0.0, 0.0], point };
-        Ok(match self.surface()?.nearest(p) {
+        Ok(match self.surface().nearest(p) {
             Some(t) => Attachment { vertices: t.vertices, weights: closest(t.corners(), p).map(|w| w as f32), point },
             None => single,
         })

@@ -161,7 +161,7 @@ impl Instance {
         let marks = self.damage.marks();
         let contact = |mark: &Mark| self.set.mesh().positions()[mark.contact as usize];
         let mut is_on_mesh = vec![false; marks.len()];
-        for (at, bounds) in mesh.block_bounds.iter().enumerate() {
+        for (at, bounds) in mesh.mesh.block_bounds().iter().enumerate() {
             let range = block_range(at, mesh.vertex_count());
             let at_rest = &mesh.mesh.positions()[range.clone()];
             for (mark, is_on_mesh) in marks.iter().zip(&mut is_on_mesh) {

@@ -21,7 +21,6 @@ use glam::{DVec3, Vec3, Vec4};
 use limits::Limits;
 use normals::Surroundings;
 use std::collections::HashMap;
-use std::sync::Arc;
 use vertex_blocks::{BLOCK, block_range};
 
 /// Largest coordinate accepted, m. Squares of larger ones could overflow f32.
@@ -33,7 +32,7 @@ pub struct Mesh {
     arrays: MeshArrays,
     limits: Limits,
     bounds: Aabb,
-    block_bounds: Arc<[Aabb]>,
+    block_bounds: Vec<Aabb>,
     seam_count: usize,
     repaired_normals: usize,
     degenerate_triangles: usize,
@@ -138,7 +137,7 @@ impl Mesh {
     pub(crate) fn of(arrays: MeshArrays, limits: Limits, repaired_normals: usize, degenerate_triangles: usize) -> Self {
         let positions = &arrays.positions[..];
         let blocks = 0..positions.len().div_ceil(BLOCK);
-        let block_bounds: Arc<[Aabb]> =
+        let block_bounds: Vec<Aabb> =
             blocks.map(|b| Aabb::of_slice(&positions[block_range(b, positions.len())])).collect();
         let mut bounds = Aabb::EMPTY;
         block_bounds.iter().for_each(|b| bounds.union(b));
@@ -208,7 +207,7 @@ impl Mesh {
     }
 
     /// Bounds of the base positions of each block.
-    pub(crate) fn block_bounds(&self) -> &Arc<[Aabb]> {
+    pub(crate) fn block_bounds(&self) -> &[Aabb] {
         &self.block_bounds
     }
 

@@ -3,6 +3,7 @@
 
 use super::vertex_blocks::BLOCK;
 use crate::base::error::Error;
+use crate::base::lists::Lists;
 use crate::base::math::{Aabb, cells_around};
 use crate::base::memory::may_fail;
 use glam::{DVec3, IVec3, Vec3};
@@ -109,11 +110,7 @@ impl Surroundings {
 }
 
 /// For each block, the triangles that have a corner in it, or at the position of a vertex in it.
-pub(crate) struct BlockTriangles {
-    /// Where the triangles of each block end.
-    ends: Vec<usize>,
-    triangles: Vec<u32>,
-}
+pub(crate) struct BlockTriangles(Lists<u32>);
 
 impl BlockTriangles {
     pub(crate) fn new(triangles: &[[u32; 3]], weld: &[u32]) -> Self {
@@ -123,24 +120,13 @@ impl BlockTriangles {
             let all = [a, b, c, d, e, f];
             (0..all.len()).filter(move |i| !all[..*i].contains(&all[*i])).map(move |i| all[i] as usize)
         };
-        let mut ends = vec![0; weld.len().div_ceil(BLOCK) + 1];
-        triangles.iter().flat_map(blocks).for_each(|b| ends[b + 1] += 1);
-        (1..ends.len()).for_each(|b| ends[b] += ends[b - 1]);
-        let mut all = vec![0; ends.last().copied().unwrap_or(0)];
-        for (t, i) in triangles.iter().zip(0..) {
-            for b in blocks(t) {
-                all[ends[b]] = i;
-                ends[b] += 1;
-            }
-        }
-        BlockTriangles { ends, triangles: all }
+        let all = || (0..).zip(triangles).flat_map(|(i, t)| blocks(t).map(move |b| (b, i)));
+        BlockTriangles(Lists::new(weld.len().div_ceil(BLOCK), all))
     }
 
     /// The triangles of some blocks, increasing.
     pub(crate) fn of(&self, blocks: &[u32]) -> Vec<u32> {
-        let start = |b: usize| if b == 0 { 0 } else { self.ends[b - 1] };
-        let one = |b: u32| &self.triangles[start(b as usize)..self.ends[b as usize]];
-        let mut all: Vec<u32> = blocks.iter().flat_map(|b| one(*b)).copied().collect();
+        let mut all: Vec<u32> = blocks.iter().flat_map(|b| self.0.of(*b as usize)).copied().collect();
         all.sort_unstable();
         all.dedup();
         all

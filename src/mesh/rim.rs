@@ -11,6 +11,7 @@ use super::field::Field;
 use super::nearest::VertexIndex;
 use super::vertex_blocks::{BLOCK, block_range};
 use crate::base::array::Array;
+use crate::base::lists::Lists;
 use crate::base::math::Aabb;
 use crate::base::tasks::{TaskSystem, map};
 use glam::Vec3;
@@ -47,16 +48,16 @@ impl Rim {
 
     /// Finds the held rims. `examples` says for each example which vertices it [moves](moves).
     pub(crate) fn find(mesh: &Mesh, examples: &[Vec<bool>], tasks: &dyn TaskSystem) -> Self {
-        let held = held(mesh, examples, tasks);
-        let points: Vec<Vec3> = held.iter().map(|v| mesh.positions()[*v as usize]).collect();
-        let (blocks, windows) = windows(&points, mesh.bounds().diagonal(), mesh, tasks);
-        Rim { blocks: blocks.into(), windows: windows.into(), held: held.into() }
+        let rim = Rim { held: held(mesh, examples, tasks).into(), ..Rim::default() };
+        let windows = rim.on(mesh, mesh, tasks);
+        Rim { held: rim.held, ..windows }
     }
 
     /// The windows of the same rims for the vertices of another mesh of the same body. Its list of held vertices is
     /// empty.
     pub(crate) fn on(&self, own: &Mesh, other: &Mesh, tasks: &dyn TaskSystem) -> Self {
-        let points: Vec<Vec3> = self.held.iter().map(|v| own.positions()[*v as usize]).collect();
+        let held = self.held.iter().map(|v| *v as usize).filter(|v| own.weld()[*v] as usize == *v);
+        let points: Vec<Vec3> = held.map(|v| own.positions()[v]).collect();
         let (blocks, windows) = windows(&points, own.bounds().diagonal(), other, tasks);
         Rim { blocks: blocks.into(), windows: windows.into(), held: Array::default() }
     }
@@ -76,11 +77,6 @@ impl Rim {
         self.block(v as usize / BLOCK).map_or(1.0, |b| b[v as usize % BLOCK])
     }
 
-    /// Number of held vertices.
-    pub(crate) fn vertices(&self) -> usize {
-        self.held.len()
-    }
-
     pub(crate) fn bytes(&self) -> usize {
         self.blocks.bytes() + self.windows.bytes() + self.held.bytes()
     }
@@ -93,12 +89,8 @@ fn windows(held: &[Vec3], diagonal: f32, mesh: &Mesh, tasks: &dyn TaskSystem) ->
         return Default::default();
     }
     let width = WIDTH * diagonal;
-    let mut points: Vec<[f32; 3]> = held.iter().map(|p| p.to_array()).collect();
-    points.sort_unstable_by_key(|p| p.map(f32::to_bits));
-    points.dedup();
-    let points: Vec<Vec3> = points.into_iter().map(Vec3::from).collect();
-    let each: Vec<u32> = (0..points.len() as u32).collect();
-    let index = VertexIndex::new(&points, &each, tasks);
+    let each: Vec<u32> = (0..held.len() as u32).collect();
+    let index = VertexIndex::new(held, &each, tasks);
     // Squared distance to the nearest held point, m².
     let nearest = |p: Vec3| index.several::<1>(p).first().map(|(d2, _)| *d2);
     let window = |p: Vec3| {
@@ -111,29 +103,33 @@ fn windows(held: &[Vec3], diagonal: f32, mesh: &Mesh, tasks: &dyn TaskSystem) ->
     };
     let any_near = |b: &Aabb| nearest(b.centre()).is_some_and(|d2| d2.sqrt() <= reach_of(b, width));
     let positions = mesh.positions();
-    let blocks = map(tasks, (0..mesh.block_bounds().len()).step_by(BLOCKS_A_TASK), |first| {
-        let blocks = first..mesh.block_bounds().len().min(first + BLOCKS_A_TASK);
-        let block = |b: usize| {
-            if !any_near(&mesh.block_bounds()[b]) {
-                return None;
+    let blocks = map_blocks(mesh, tasks, |b, bounds| {
+        if !any_near(bounds) {
+            return None;
+        }
+        let mut block = OPEN;
+        for (part, points) in positions[block_range(b, positions.len())].chunks(PART).enumerate() {
+            if any_near(&Aabb::of(points)) {
+                points.iter().enumerate().for_each(|(i, p)| block[part * PART + i] = window(*p));
             }
-            let mut block = OPEN;
-            for (part, points) in positions[block_range(b, positions.len())].chunks(PART).enumerate() {
-                if any_near(&Aabb::of(points)) {
-                    points.iter().enumerate().for_each(|(i, p)| block[part * PART + i] = window(*p));
-                }
-            }
-            block.iter().any(|f| *f < 1.0).then_some(block)
-        };
-        blocks.map(block).collect::<Vec<_>>()
+        }
+        block.iter().any(|f| *f < 1.0).then_some(block)
     });
     let mut all: Vec<WindowBlock> = Vec::new();
-    let blocks = blocks.into_iter().flatten().map(|block| {
+    let blocks = blocks.into_iter().map(|block| {
         let Some(block) = block else { return Rim::CLEAR };
         all.push(block);
         all.len() as u32 - 1
     });
     (blocks.collect(), all)
+}
+
+/// What `f` makes of each block and its bounds.
+fn map_blocks<T: Send>(mesh: &Mesh, tasks: &dyn TaskSystem, f: impl Fn(usize, &Aabb) -> T + Sync) -> Vec<T> {
+    let pieces = mesh.block_bounds().chunks(BLOCKS_A_TASK).zip((0..).step_by(BLOCKS_A_TASK));
+    let made =
+        map(tasks, pieces, |(piece, first)| (first..).zip(piece).map(|(b, bounds)| f(b, bounds)).collect::<Vec<_>>());
+    made.into_iter().flatten().collect()
 }
 
 /// The distance from a box's centre beyond which nothing is within `width` of any point of the box, m. More than
@@ -159,15 +155,13 @@ fn held(mesh: &Mesh, examples: &[Vec<bool>], tasks: &dyn TaskSystem) -> Vec<u32>
     if boundary.is_empty() {
         return Vec::new();
     }
-    let mut loops = Loops::new(mesh.positions().len(), &boundary);
+    let loops = loops(mesh.positions().len(), &boundary);
     // Pairs of a vertex beside a loop (the lowest at its position) and the loop.
     let mut beside: Vec<(u32, u32)> = Vec::new();
     for t in triangles.iter().map(welded) {
         for v in t {
             for w in t {
-                if !loops.has(w)
-                    && let Some(l) = loops.of(v)
-                {
+                if let (None, Some(l)) = (loops[w as usize], loops[v as usize]) {
                     beside.push((w, l));
                 }
             }
@@ -176,7 +170,6 @@ fn held(mesh: &Mesh, examples: &[Vec<bool>], tasks: &dyn TaskSystem) -> Vec<u32>
     // Next to a clamped edge of a fine mesh, vertices hardly move, so vertices within the window's width count too.
     let positions = mesh.positions();
     let width = WIDTH * mesh.bounds().diagonal();
-    let loops = loops.all();
     let edge = (0..positions.len() as u32).filter(|v| weld[*v as usize] == *v);
     let edge = edge.filter_map(|v| Some(GeomWithData::new(positions[v as usize].to_array(), loops[v as usize]?)));
     let edge: RTree<GeomWithData<[f32; 3], u32>> = RTree::bulk_load(edge.collect());
@@ -184,19 +177,16 @@ fn held(mesh: &Mesh, examples: &[Vec<bool>], tasks: &dyn TaskSystem) -> Vec<u32>
     let first = edge.iter().next().map(|r| r.data);
     let single = edge.iter().all(|r| Some(r.data) == first);
     let within = |p: Vec3, distance: f32| edge.locate_within_distance(p.to_array(), distance.powi(2));
-    let close = map(tasks, (0..mesh.block_bounds().len()).step_by(BLOCKS_A_TASK), |first| {
+    let close = map_blocks(mesh, tasks, |b, bounds| {
         let mut beside: Vec<(u32, u32)> = Vec::new();
-        for b in first..mesh.block_bounds().len().min(first + BLOCKS_A_TASK) {
-            let bounds = &mesh.block_bounds()[b];
-            if within(bounds.centre(), reach_of(bounds, width)).next().is_none() {
-                continue;
-            }
-            for v in block_range(b, positions.len()).filter(|v| weld[*v] as usize == *v && loops[*v].is_none()) {
-                let mut last = None;
-                for r in within(positions[v], width).take(if single { 1 } else { usize::MAX }) {
-                    if last.replace(r.data) != Some(r.data) {
-                        beside.push((v as u32, r.data));
-                    }
+        if within(bounds.centre(), reach_of(bounds, width)).next().is_none() {
+            return beside;
+        }
+        for v in block_range(b, positions.len()).filter(|v| weld[*v] as usize == *v && loops[*v].is_none()) {
+            let mut last = None;
+            for r in within(positions[v], width).take(if single { 1 } else { usize::MAX }) {
+                if last.replace(r.data) != Some(r.data) {
+                    beside.push((v as u32, r.data));
                 }
             }
         }
@@ -223,21 +213,11 @@ pub(super) fn boundary(triangles: impl Iterator<Item = [u32; 3]> + Clone, vertic
     let edges = triangles.flat_map(|t| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])]);
     let edges = edges.map(|(a, b)| (a.min(b), a.max(b))).filter(|e| e.0 != e.1);
     // Sorts by the lower vertex by counting, then each vertex's few edges by the higher one.
-    let mut ends = vec![0usize; vertices + 1];
-    edges.clone().for_each(|e| ends[e.0 as usize + 1] += 1);
-    (0..vertices).for_each(|v| ends[v + 1] += ends[v]);
-    let mut higher = vec![0u32; ends[vertices]];
-    for (a, b) in edges {
-        higher[ends[a as usize]] = b;
-        ends[a as usize] += 1;
-    }
+    let mut higher = Lists::new(vertices, || edges.clone().map(|(a, b)| (a as usize, b)));
     let mut boundary = Vec::new();
-    let mut start = 0;
-    for (end, v) in ends[..vertices].iter().zip(0..) {
-        let own = &mut higher[start..*end];
+    for (own, v) in higher.all_mut().zip(0..) {
         own.sort_unstable();
         boundary.extend(own.chunk_by(|a, b| a == b).filter(|c| c.len() == 1).map(|c| (v, c[0])));
-        start = *end;
     }
     boundary
 }
@@ -248,46 +228,23 @@ fn copies(weld: &[u32], near: &[(u32, u32)]) -> Vec<(u32, u32)> {
     weld.iter().zip(0..).flat_map(|(w, v)| at(*w).map(move |n| (v, n.1))).collect()
 }
 
-/// Boundary vertices joined into loops (union-find).
-struct Loops {
-    parent: Vec<u32>,
-    member: Vec<bool>,
-}
-
-impl Loops {
-    fn new(vertices: usize, edges: &[(u32, u32)]) -> Self {
-        let mut loops = Loops { parent: (0..vertices as u32).collect(), member: vec![false; vertices] };
-        for (a, b) in edges {
-            loops.member[*a as usize] = true;
-            loops.member[*b as usize] = true;
-            let (a, b) = (loops.root(*a), loops.root(*b));
-            loops.parent[a.max(b) as usize] = a.min(b);
-        }
-        loops
-    }
-
-    fn has(&self, v: u32) -> bool {
-        self.member[v as usize]
-    }
-
-    /// The loop of vertex `v`, named by the loop's lowest vertex.
-    fn of(&mut self, v: u32) -> Option<u32> {
-        self.has(v).then(|| self.root(v))
-    }
-
-    /// The loop of each vertex.
-    fn all(mut self) -> Vec<Option<u32>> {
-        (0..self.member.len() as u32).map(|v| self.of(v)).collect()
-    }
-
-    fn root(&mut self, mut v: u32) -> u32 {
-        while self.parent[v as usize] != v {
-            let up = self.parent[self.parent[v as usize] as usize];
-            self.parent[v as usize] = up;
-            v = up;
+/// The loop of boundary edges that each vertex is on, named by the loop's lowest vertex (union-find).
+fn loops(vertices: usize, boundary: &[(u32, u32)]) -> Vec<Option<u32>> {
+    fn root(parent: &mut [u32], mut v: u32) -> u32 {
+        while parent[v as usize] != v {
+            parent[v as usize] = parent[parent[v as usize] as usize];
+            v = parent[v as usize];
         }
         v
     }
+    let mut parent: Vec<u32> = (0..vertices as u32).collect();
+    for (a, b) in boundary {
+        let (a, b) = (root(&mut parent, *a), root(&mut parent, *b));
+        parent[a.max(b) as usize] = a.min(b);
+    }
+    let mut loops = vec![None; vertices];
+    boundary.iter().flat_map(|(a, b)| [*a, *b]).for_each(|v| loops[v as usize] = Some(root(&mut parent, v)));
+    loops
 }
 
 #[cfg(test)]

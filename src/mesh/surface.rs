@@ -15,10 +15,6 @@ impl SurfaceIndex {
         SurfaceIndex(RTree::bulk_load(triangles.collect()))
     }
 
-    pub(crate) fn is_empty(&self) -> bool {
-        self.0.size() == 0
-    }
-
     /// The triangle nearest to a point. `None` if there are no triangles.
     pub(crate) fn nearest(&self, p: Vec3) -> Option<&IndexedTriangle> {
         self.0.nearest_neighbor(p.to_array())

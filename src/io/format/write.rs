@@ -47,7 +47,7 @@ impl<'a> File<'a> {
             file.mesh_lod(k as u32, (lod, examples), farthest);
         }
         // Its numbers were finite when it was learned.
-        file.pieces(Id::Rule, 0, 1, vec![Cow::Owned(set.rule().to_bytes().unwrap_or_default())]);
+        file.pieces(Id::Rule, 0, 1, vec![Cow::Owned(set.rule().predictor.to_bytes().unwrap_or_default())]);
         let nodes = &set.nodes().lod;
         file.mesh_lod(set.lod_count() as u32, (nodes, &nodes.anchored), 0.0);
         let (inner, leaves) = set.index().parts();
