@@ -11,10 +11,11 @@ use crate::example::data::{Contact, Deltas, ExampleData};
 use crate::example::example::Example;
 use crate::example::mesh_lod::MeshLod;
 use crate::example::options::{SetOptions, check_options};
+use crate::example::report::SetReport;
 use crate::example::set::{ExampleSet, Parts, deepest};
 use crate::mesh::data::MeshData;
 use crate::mesh::field::{Field, zeros};
-use crate::mesh::mirror::{self, Mirror};
+use crate::mesh::mirror;
 use crate::mesh::nearest::VertexIndex;
 use crate::mesh::normals::{self, BlockTriangles};
 use crate::mesh::rim::{self, Rim};
@@ -60,13 +61,13 @@ impl ExampleSet {
         let builder =
             ExampleBuilder { mesh: &mesh, index: &index, seams: &seams, smooth, around, options: &options, steps };
         let built = map(tasks, examples.iter().enumerate(), |(i, e)| builder.build(i, e));
-        let (mut welded, mut widest_weld, mut given) = (0, 0.0f32, 0.0f32);
+        let (mut report, mut given) = (SetReport::default(), 0.0f32);
         let mut ready = reserve(examples.len(), "examples")?;
         let mut moves = reserve(examples.len(), "examples")?;
         for built in built {
             let built = built?;
-            welded += built.welded;
-            widest_weld = widest_weld.max(built.widest_weld);
+            report.welded += built.welded;
+            report.widest_weld = report.widest_weld.max(built.widest_weld);
             given = given.max(built.deepest);
             moves.push(built.moves);
             ready.push(built.example);
@@ -81,8 +82,9 @@ impl ExampleSet {
                 what: format!("none of the {} given moves a vertex by more than {} m", ready.len(), options.drop_below),
             });
         }
-        let planes =
-            if options.mirror { mirror::planes(mesh.positions(), &index, &mesh.bounds()) } else { Mirror::NONE };
+        if options.mirror {
+            report.mirror_planes = mirror::planes(mesh.positions(), &index, &mesh.bounds());
+        }
         let rim = if options.held_rims { Rim::find(&mesh, &moves, tasks) } else { Rim::default() };
         let mut set = Self::assemble(Parts {
             fingerprint: fingerprint(&mesh, &ready, &options),
@@ -91,9 +93,7 @@ impl ExampleSet {
             examples: ready,
             options,
             index,
-            planes,
-            welded,
-            widest_weld,
+            report,
             source_order: None,
         });
         set.learn(tasks)?;
@@ -242,29 +242,14 @@ impl ExampleBuilder<'_> {
     /// Checks `deltas` and expands them to one vector per vertex.
     fn dense(&self, deltas: &Deltas, what: &str, mismatch: &dyn Fn(String) -> Error) -> Result<Field, Error> {
         let n = self.mesh.positions().len();
-        let check = |v: u32, d: [f32; 3]| -> Result<Vec3, Error> {
-            let x = Vec3::from_array(d);
-            if !x.is_finite() {
-                return Err(mismatch(format!("its {what} of vertex {v} is {d:?}; every component must be finite")));
+        let given: Vec<(u32, [f32; 3])> = match deltas {
+            Deltas::Full(d) if d.len() != n => {
+                return Err(mismatch(format!(
+                    "it has {} {what}s, the base mesh {n} vertices; there must be as many, in the same order",
+                    d.len()
+                )));
             }
-            if x.abs().max_element() > MAX_COORDINATE {
-                return Err(mismatch(format!("its {what} of vertex {v} is {d:?}; at most 1e9 m is possible")));
-            }
-            Ok(x + Vec3::ZERO)
-        };
-        let mut checked = Vec::new();
-        match deltas {
-            Deltas::Full(d) => {
-                if d.len() != n {
-                    return Err(mismatch(format!(
-                        "it has {} {what}s, the base mesh {n} vertices; there must be as many, in the same order",
-                        d.len()
-                    )));
-                }
-                for (v, d) in d.iter().enumerate().filter(|(_, d)| **d != [0.0; 3]) {
-                    checked.push((v, check(v as u32, *d)?));
-                }
-            }
+            Deltas::Full(d) => (0..).zip(d.iter().copied()).filter(|(_, d)| *d != [0.0; 3]).collect(),
             Deltas::Sparse { indices, values } => {
                 if indices.len() != values.len() {
                     return Err(mismatch(format!(
@@ -273,24 +258,27 @@ impl ExampleBuilder<'_> {
                         values.len()
                     )));
                 }
-                let mut last = None;
-                for (v, d) in indices.iter().zip(values) {
-                    if *v as usize >= n {
-                        return Err(mismatch(format!("its index {v} is out of range; the base mesh has {n} vertices")));
-                    }
-                    if last.is_some_and(|l| l >= *v) {
-                        return Err(mismatch(format!(
-                            "its index {v} follows {}; indices must increase",
-                            last.unwrap_or(0)
-                        )));
-                    }
-                    last = Some(*v);
-                    checked.push((*v as usize, check(*v, *d)?));
+                if let Some(v) = indices.iter().find(|v| **v as usize >= n) {
+                    return Err(mismatch(format!("its index {v} is out of range; the base mesh has {n} vertices")));
                 }
+                if let Some(pair) = indices.windows(2).find(|pair| pair[0] >= pair[1]) {
+                    return Err(mismatch(format!("its index {} follows {}; indices must increase", pair[1], pair[0])));
+                }
+                indices.iter().copied().zip(values.iter().copied()).collect()
             }
-        }
+        };
         let mut field = Field::zero(n, "an example's displacements")?;
-        field.set(checked);
+        let check = |(v, d): (u32, [f32; 3])| {
+            let x = Vec3::from_array(d);
+            if !x.is_finite() {
+                return Err(mismatch(format!("its {what} of vertex {v} is {d:?}; every component must be finite")));
+            }
+            if x.abs().max_element() > MAX_COORDINATE {
+                return Err(mismatch(format!("its {what} of vertex {v} is {d:?}; at most 1e9 m is possible")));
+            }
+            Ok((v as usize, x + Vec3::ZERO))
+        };
+        field.set(given.into_iter().map(check).collect::<Result<Vec<_>, Error>>()?);
         Ok(field)
     }
 

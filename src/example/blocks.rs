@@ -362,14 +362,4 @@ mod tests {
             }
         }
     }
-
-    #[test]
-    fn the_last_block_may_be_short() {
-        let d = vec![Vec3::X; 129];
-        let a = DeltaBlocks::new(&d, None, Steps::EXACT);
-        assert_eq!(a.heads.len(), 2);
-        assert_eq!(a.heads[1].groups, 1);
-        assert_eq!(a.delta(128), Vec3::X);
-        assert_eq!(a.iter().count(), 129);
-    }
 }

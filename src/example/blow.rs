@@ -169,14 +169,7 @@ mod tests {
     #[test]
     fn bad_parts_are_refused_with_name_and_value() {
         type Change = fn(&mut Blow);
-        let cases: [(Change, &str); 9] = [
-            (
-                |b| b.impulse = Some([0.0, f32::NAN, 0.0]),
-                "impulse of x is [0.0, NaN, 0.0]; every component must be finite",
-            ),
-            (|b| b.duration = Some(0.0), "duration of x is 0; it must be above 0 and finite, s"),
-            (|b| b.duration = Some(f32::INFINITY), "duration of x is inf"),
-            (|b| b.normal = Some([0.0; 3]), "normal of x is [0.0, 0.0, 0.0]; it must be longer than 0"),
+        let cases: [(Change, &str); 5] = [
             (|b| b.normal = Some([f32::NAN; 3]), "normal of x is"),
             (|b| b.striker.mass = Some(-1.0), "striker.mass of x is -1; it must be above 0 and finite, kg"),
             (|b| b.striker.velocity = Some([f32::INFINITY; 3]), "striker.velocity of x is"),

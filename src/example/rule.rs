@@ -25,23 +25,13 @@ pub(crate) type Key = [u32; 6];
 pub(crate) struct LearnedRule {
     pub predictor: Predictor,
     /// What the examples that move anything move the nodes by.
-    fields: Moves,
+    fields: Vec<Arc<DeltaBlocks>>,
     recent: Mutex<Recent>,
 }
 
-#[derive(Debug)]
-struct Moves(Vec<Arc<DeltaBlocks>>);
-
-impl Moves {
-    fn of(source: &Source<'_>) -> Self {
-        let examples = source.examples.iter().zip(&source.nodes.anchored);
-        Moves(examples.filter(|(example, _)| !example.is_empty()).map(|(_, moves)| moves.clone()).collect())
-    }
-}
-
-impl Fields for Moves {
+impl Fields for Vec<Arc<DeltaBlocks>> {
     fn moved(&self, sample: usize, f: &mut dyn FnMut(usize, Vec3)) {
-        self.0[sample].iter().for_each(|(node, u, _)| f(node as usize, u));
+        self[sample].iter().for_each(|(node, u, _)| f(node as usize, u));
     }
 }
 
@@ -75,6 +65,12 @@ pub(crate) struct Source<'a> {
 }
 
 impl Source<'_> {
+    /// What the examples that move anything move the nodes by.
+    fn fields(&self) -> Vec<Arc<DeltaBlocks>> {
+        let examples = self.examples.iter().zip(&self.nodes.anchored);
+        examples.filter(|(example, _)| !example.is_empty()).map(|(_, moves)| moves.clone()).collect()
+    }
+
     /// The nodes as the points of a body, and what they take of carried dents.
     fn body(&self) -> Body {
         let nodes = self.nodes;
@@ -110,7 +106,7 @@ impl LearnedRule {
             })
             .collect();
         let predictor = Predictor::learn(body, &samples, tasks);
-        LearnedRule { predictor, fields: Moves::of(source), recent: Mutex::default() }
+        LearnedRule { predictor, fields: source.fields(), recent: Mutex::default() }
     }
 
     /// The rule of a set from [`Predictor::to_bytes`], as section rule of a file has them.
@@ -119,12 +115,12 @@ impl LearnedRule {
     /// [`Error::Format`].
     pub(crate) fn from_bytes(source: &Source<'_>, bytes: &[u8]) -> Result<Self, Error> {
         let predictor = Predictor::from_bytes(source.body(), bytes)?;
-        let fields = Moves::of(source);
+        let fields = source.fields();
         let samples = predictor.samples();
-        if samples != fields.0.len() {
+        if samples != fields.len() {
             let what = format!(
                 "baked set: the examples of section rule are {samples}; they must be {}, those that move anything",
-                fields.0.len()
+                fields.len()
             );
             return Err(Error::Format { what });
         }

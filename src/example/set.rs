@@ -11,7 +11,6 @@ use crate::base::error::Error;
 use crate::base::lists::Lists;
 use crate::basis::learn::BasisReport;
 use crate::basis::{Rows, TILE};
-use crate::mesh::mirror::Mirror;
 use crate::mesh::nearest::{Nearest, VertexIndex};
 use crate::mesh::rim::Rim;
 use crate::mesh::surface::SurfaceIndex;
@@ -86,10 +85,9 @@ pub(crate) struct Parts {
     pub examples: Vec<Example>,
     pub options: SetOptions,
     pub index: VertexIndex,
-    pub planes: Mirror,
     pub fingerprint: u64,
-    pub welded: usize,
-    pub widest_weld: f32,
+    /// The welded vertices and the mirror planes; the rest follows from the other parts.
+    pub report: SetReport,
     pub source_order: Option<Array<u32>>,
 }
 
@@ -111,14 +109,11 @@ impl ExampleSet {
             limited_vertices,
             stiff_vertices,
             rigid_vertices,
-            welded: p.welded,
-            widest_weld: p.widest_weld,
             repaired_normals: mesh.repaired_normals(),
             degenerate_triangles: mesh.degenerate_triangles(),
-            mirror_planes: p.planes,
             held_vertices: p.base.rim.held.len(),
             lods: p.lods.iter().map(|l| l.1).collect(),
-            ..Default::default()
+            ..p.report
         };
         for (i, e) in p.examples.iter().enumerate() {
             let bytes = e.whole.as_ref().map_or_else(Bytes::default, |whole| whole.bytes());

@@ -109,17 +109,11 @@ impl Mesh {
         let surroundings = Surroundings::of(&positions, &data.triangles)?;
         let contact_normals =
             vertex_normals.as_ref().map(|given| contact_normals(&positions, &smooth, given, &weld, surroundings));
-        let tangents: Option<Vec<Vec4>> = match data.tangents {
-            Some(given) => {
-                for (i, t) in given.iter().enumerate() {
-                    if !t.iter().all(|x| x.is_finite()) {
-                        return Err(Error::NotFinite { name: format!("tangents[{i}]"), value: format!("{t:?}") });
-                    }
-                }
-                Some(given.into_iter().map(Vec4::from_array).collect())
-            }
-            None => None,
-        };
+        let bad = data.tangents.iter().flatten().enumerate().find(|(_, t)| !t.iter().all(|x| x.is_finite()));
+        if let Some((i, t)) = bad {
+            return Err(Error::NotFinite { name: format!("tangents[{i}]"), value: format!("{t:?}") });
+        }
+        let tangents: Option<Vec<Vec4>> = data.tangents.map(|given| given.into_iter().map(Vec4::from_array).collect());
         let degenerate = data.triangles.iter().filter(|t| area_is_zero(&positions, **t)).count();
         let arrays = MeshArrays {
             positions: positions.into(),

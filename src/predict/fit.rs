@@ -2,7 +2,7 @@
 //! Machine Learning, 2006, section 5.4.1), with Gaussian priors on their logarithms.
 
 use super::features::{Point, differences};
-use super::kernel::{GROUPS, Lengths, exp};
+use super::kernel::{GROUPS, Lengths, exp, factors, noise_ratio};
 use super::linear::{cholesky, inverse, product};
 
 /// What is expected of lengths and noise before the data.
@@ -31,14 +31,11 @@ pub(super) fn fit(points: &[Point], used: &[usize], product: impl Fn(usize, usiz
     let gram: Vec<f64> = (0..n * n).map(|at| product(used[at / n], used[at % n])).collect();
     let d2 = squared_differences(&used.iter().map(|i| points[*i]).collect::<Vec<_>>());
     // Resilient propagation: each logarithm has its own step, which grows while the slope keeps its sign.
-    let pack =
-        |l: &Lengths| -> [f64; GROUPS + 1] { std::array::from_fn(|g| if g < GROUPS { l.lengths[g] } else { l.noise }) };
-    let unpack = |t: &[f64; GROUPS + 1]| Lengths { lengths: std::array::from_fn(|g| t[g]), noise: t[GROUPS] };
-    let start = pack(&prior.mean);
+    let start = prior.mean;
     let (mut at, mut step, mut last) = (start, [0.15f64; GROUPS + 1], [0.0f64; GROUPS + 1]);
     let mut best = (f64::INFINITY, start);
     for _ in 0..STEPS {
-        let Some((mut cost, mut slope)) = likelihood(&d2, &gram, n, &unpack(&at), prior) else { break };
+        let Some((mut cost, mut slope)) = likelihood(&d2, &gram, n, &at, prior) else { break };
         for g in 0..=GROUPS {
             let off = (at[g] - start[g]) / prior.deviation;
             cost += 0.5 * off * off;
@@ -61,7 +58,7 @@ pub(super) fn fit(points: &[Point], used: &[usize], product: impl Fn(usize, usiz
             }
         }
     }
-    unpack(&best.1)
+    best.1
 }
 
 /// For each group a square of which the lower half is filled.
@@ -79,7 +76,7 @@ fn squared_differences(points: &[Point]) -> Vec<f64> {
 
 /// The negative logarithm of the marginal likelihood, the variance profiled out, and its slope.
 fn likelihood(d2: &[f64], gram: &[f64], n: usize, at: &Lengths, prior: &Prior) -> Option<(f64, [f64; GROUPS + 1])> {
-    let (f, noise) = (at.factors(), at.noise_ratio());
+    let (f, noise) = (factors(at), noise_ratio(at));
     let (mut k, mut decay) = (vec![0.0; n * n], vec![0.0; n * n]);
     for i in 0..n {
         for j in 0..i {
@@ -143,17 +140,13 @@ mod tests {
         let gram: Vec<f64> = (0..n * n).map(|k| y[k / n] * y[k % n]).collect();
         let d2 = squared_differences(&points);
         for ordinary in [false, true] {
-            let l = Lengths { lengths: [-0.3, 0.1, 0.4, 0.7, 0.5, -0.2, 0.6], noise: -1.0 };
+            let l = [-0.3, 0.1, 0.4, 0.7, 0.5, -0.2, 0.6, -1.0];
             let prior = Prior { mean: l, deviation: 1.0, outputs: 3.0, ordinary };
             let (_, slope) = likelihood(&d2, &gram, n, &l, &prior).unwrap();
             for (g, slope) in slope.iter().enumerate() {
                 let moved = |by: f64| {
                     let mut m = l;
-                    if g < GROUPS {
-                        m.lengths[g] += by
-                    } else {
-                        m.noise += by
-                    }
+                    m[g] += by;
                     likelihood(&d2, &gram, n, &m, &prior).unwrap().0
                 };
                 let numeric = (moved(1e-4) - moved(-1e-4)) / 2e-4;

@@ -5,24 +5,17 @@ pub(super) const GROUPS: usize = 7;
 /// The group of the energy of a blow, or of the depth of a displacement; its feature is a logarithm.
 pub(super) const STRENGTH: usize = 2;
 
-/// Logarithms of the lengths, and of the noise over the variance.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Lengths {
-    /// One for each group.
-    pub lengths: [f64; GROUPS],
-    /// Variance of the noise over that of the process.
-    pub noise: f64,
+/// Logarithms of the length of each group, and of the variance of the noise over that of the process.
+pub(super) type Lengths = [f64; GROUPS + 1];
+
+/// Factors of squared differences: 3 over the squared lengths.
+pub(super) fn factors(lengths: &Lengths) -> [f64; GROUPS] {
+    std::array::from_fn(|g| 3.0 * exp(-2.0 * lengths[g].clamp(-4.0, 6.0)))
 }
 
-impl Lengths {
-    /// Factors of squared differences: 3 over the squared lengths.
-    pub(super) fn factors(&self) -> [f64; GROUPS] {
-        self.lengths.map(|l| 3.0 * exp(-2.0 * l.clamp(-4.0, 6.0)))
-    }
-    /// Variance of the noise over that of the process.
-    pub(super) fn noise_ratio(&self) -> f64 {
-        exp(self.noise.clamp(-12.0, 6.0))
-    }
+/// Variance of the noise over that of the process.
+pub(super) fn noise_ratio(lengths: &Lengths) -> f64 {
+    exp(lengths[GROUPS].clamp(-12.0, 6.0))
 }
 
 /// The exponential for arguments from -700 to 700, to 1e-9. Only additions and products, so that compilers vectorize it

@@ -1,7 +1,7 @@
 //! Kriging: the best linear unbiased prediction of rows of numbers from those of known points.
 
 use super::features::{Point, differences};
-use super::kernel::{GROUPS, Lengths, matern};
+use super::kernel::{GROUPS, Lengths, factors, matern, noise_ratio};
 use super::linear::{cholesky, inverse, product, solve};
 
 /// The system of a set of points, and its inverse.
@@ -23,8 +23,8 @@ impl Kriging {
     /// Factors the system. Noise is raised until that works.
     pub(super) fn new(points: &[Point], lengths: &Lengths, ordinary: bool) -> Self {
         let n = points.len();
-        let f = lengths.factors();
-        let mut noise = lengths.noise_ratio();
+        let f = factors(lengths);
+        let mut noise = noise_ratio(lengths);
         let mut projected = loop {
             let mut k = vec![0.0; n * n];
             for i in 0..n {

@@ -4,7 +4,7 @@ use super::body::{Body, Sample};
 use super::features::{Point, Points, STRENGTH_AXIS, Strike, point};
 use super::fit::{Prior, fit};
 use super::hits::{Blow, Typical};
-use super::kernel::Lengths;
+use super::kernel::{Lengths, factors};
 use super::kriging::Kriging;
 use super::linear::{add, dot};
 use super::predictor::{MOST_SCALE, Model, Part, Predictor, wide};
@@ -29,9 +29,9 @@ const OUTPUTS: f64 = 20.0;
 const STARTS: [f64; 3] = [0.0, 0.5, 1.0];
 
 /// Expected logarithms of lengths and noise: the size, the carried and the anchored part.
-const SIZE: Lengths = Lengths { lengths: [-1.386, 0.0, 1.792, 1.792, 3.0, 1.099, 0.693], noise: -2.0 };
-const CARRIED: Lengths = Lengths { lengths: [0.0, 0.405, 1.099, 1.609, 1.099, 0.0, 0.405], noise: -1.0 };
-const ANCHORED: Lengths = Lengths { lengths: [-1.386, 0.405, 1.099, 1.609, 1.099, 1.099, 0.693], noise: -3.0 };
+const SIZE: Lengths = [-1.386, 0.0, 1.792, 1.792, 3.0, 1.099, 0.693, -2.0];
+const CARRIED: Lengths = [0.0, 0.405, 1.099, 1.609, 1.099, 0.0, 0.405, -1.0];
+const ANCHORED: Lengths = [-1.386, 0.405, 1.099, 1.609, 1.099, 1.099, 0.693, -3.0];
 /// Expected logarithm of the length of a lean.
 const LEAN: f64 = -1.6;
 
@@ -223,7 +223,7 @@ impl Data<'_> {
 
         let lean = |mut l: Lengths| {
             if !blows {
-                l.lengths[5] = LEAN;
+                l[5] = LEAN;
             }
             l
         };
@@ -280,7 +280,7 @@ impl Data<'_> {
             most: logs.iter().copied().fold(f64::NEG_INFINITY, f64::max),
             logs,
             size,
-            carried: Part::new(lengths.factors(), mean, coefficients, &low.modes),
+            carried: Part::new(factors(&lengths), mean, coefficients, &low.modes),
             reference,
             far: 1.0,
             ..Model::default()
@@ -310,7 +310,7 @@ impl Data<'_> {
             let (kriging, lengths) = kriging.get_or_insert_with(|| {
                 let mut mean = ANCHORED;
                 if !blows {
-                    mean.lengths[5] = LEAN + 0.5;
+                    mean[5] = LEAN + 0.5;
                 }
                 let prior = Prior { mean, deviation: 0.7, outputs: OUTPUTS, ordinary: false };
                 let lengths = fit(&model.rows, &used, |i, j| products[i * n + j], &prior);
@@ -362,7 +362,7 @@ impl Data<'_> {
             }
             if best.as_ref().map(|b| b.0) != before {
                 let (mean, coefficients) = kriging.coefficients(&low.coefficients, rank);
-                part = Part::new(lengths.factors(), mean, coefficients, &low.modes);
+                part = Part::new(factors(lengths), mean, coefficients, &low.modes);
             }
         }
         if let Some((_, errors, share, factor)) = best {

@@ -2,7 +2,7 @@
 
 use super::features::{Point, Points, STRENGTH_AXIS};
 use super::fit::{Prior, fit};
-use super::kernel::{GROUPS, Lengths, STRENGTH, matern};
+use super::kernel::{GROUPS, Lengths, STRENGTH, factors, matern};
 use super::kriging::Kriging;
 use super::linear::solve;
 
@@ -63,7 +63,7 @@ impl SizeLaw {
         let count = (libm::ceil((high - low) / KNOT) as usize + 1).clamp(1, MOST_KNOTS);
         let gap = if count > 1 { (high - low) / (count - 1) as f64 } else { 0.0 };
         let knots = (0..count).map(|k| low + gap * k as f64).collect();
-        (Self { law, factors: lengths.factors(), mean: mean[0], coefficients, knots }, missed)
+        (Self { law, factors: factors(&lengths), mean: mean[0], coefficients, knots }, missed)
     }
 
     /// Logarithm of the least strength of an example.

@@ -1,6 +1,6 @@
 //! The promises of the rule, on a sheet whose dents are known.
 
-use super::kernel::{Lengths, matern};
+use super::kernel::{factors, matern};
 use super::kriging::{Kriging, covariance};
 use super::linear::add;
 use super::{Blow, Body, Fields, Hit, Prediction, Predictor, Sample, Scratch, Told};
@@ -140,14 +140,14 @@ fn error(a: &[Vec3], b: &[Vec3]) -> f32 {
 #[test]
 fn kriging_weights_have_the_values_of_the_textbook() {
     let at = |x: f64| std::array::from_fn(|k| if k == 0 { x } else { 0.0 });
-    let unit = Lengths { lengths: [0.0; 7], noise: -30.0 };
+    let unit = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -30.0];
     let points = [at(0.0), at(1.0)];
     let kriging = Kriging::new(&points, &unit, true);
     let weights = |x: f64| {
         // What is predicted of a row that is 1 at one point.
         let (mut mean, coefficients) = kriging.coefficients(&[1.0, 0.0, 0.0, 1.0], 2);
         for (p, row) in points.iter().zip(coefficients.chunks_exact(2)) {
-            add(&mut mean, covariance(p, &at(x), &unit.factors()), row);
+            add(&mut mean, covariance(p, &at(x), &factors(&unit)), row);
         }
         mean
     };

@@ -14,7 +14,7 @@ use crate::example::blow::{Blow, Striker, StrikerShape};
 use crate::example::example::Example;
 use crate::example::mesh_lod::MeshLod;
 use crate::example::options::{SetOptions, VertexMass, check_options};
-use crate::example::report::LodReport;
+use crate::example::report::{LodReport, SetReport};
 use crate::example::rule::LearnedRule;
 use crate::example::set::{ExampleSet, MAX_MESHES, Parts, check_order, deepest};
 use crate::mesh::limits::{Halves, Limits, half, whole};
@@ -81,10 +81,13 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
         lods,
         examples,
         options,
-        planes,
         fingerprint: record.fingerprint,
-        welded: record.welded as usize,
-        widest_weld: record.widest_weld,
+        report: SetReport {
+            mirror_planes: planes,
+            welded: record.welded as usize,
+            widest_weld: record.widest_weld,
+            ..SetReport::default()
+        },
         source_order: (!order.is_empty()).then_some(order),
     });
     set.follow(nodes, rows, None);
