@@ -137,6 +137,24 @@ fn an_example_that_moves_one_vertex_between_nodes_is_an_example() {
     }
 }
 
+#[test]
+fn examples_that_move_no_node_are_saved_with_the_others() {
+    // The basis is learned from every other one of so many.
+    let mesh = scenes::sheet(20);
+    let examples = (0..258u32).map(|i| match i % 2 {
+        0 => scenes::bowl(&mesh, 37 * i % 400, 0.05, 0.2),
+        _ => {
+            let poke = crumple::Deltas::Sparse { indices: vec![i], values: vec![[0.0, 0.0, -0.01]] };
+            crumple::ExampleData::new("poke", poke)
+        }
+    });
+    let basis = Some(BasisOptions { tolerance: 1.0, rounds: 0, nodes: 32 });
+    let set =
+        scenes::build(mesh.clone(), examples.collect(), SetOptions { basis, mirror: false, ..SetOptions::default() });
+    let again = crumple::ExampleSet::load_copy(&set.save().unwrap(), &crumple::Serial).unwrap();
+    assert_eq!(again.example_errors(), set.example_errors());
+}
+
 /// At least 512 nodes, spread evenly.
 fn few_nodes() -> SetOptions {
     let basis = Some(BasisOptions { tolerance: 1.0, rounds: 0, nodes: 512 });

@@ -194,6 +194,11 @@ impl DeltaBlocks {
         self.heads.iter().map(|h| h.block)
     }
 
+    /// Whether the example moves nothing.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.heads.is_empty()
+    }
+
     /// The header of block `b`. `None` if the example does not touch it.
     #[inline(always)]
     pub(crate) fn block(&self, b: u32) -> Option<&Head> {

@@ -24,7 +24,7 @@ pub(crate) type Key = [u32; 6];
 #[derive(Debug)]
 pub(crate) struct LearnedRule {
     pub predictor: Predictor,
-    /// What the examples that move anything move the nodes by.
+    /// What the examples that move any node move the nodes by.
     fields: Vec<Arc<DeltaBlocks>>,
     recent: Mutex<Recent>,
 }
@@ -65,10 +65,9 @@ pub(crate) struct Source<'a> {
 }
 
 impl Source<'_> {
-    /// What the examples that move anything move the nodes by.
+    /// What the examples that move any node move the nodes by.
     fn fields(&self) -> Vec<Arc<DeltaBlocks>> {
-        let examples = self.examples.iter().zip(&self.nodes.anchored);
-        examples.filter(|(example, _)| !example.is_empty()).map(|(_, moves)| moves.clone()).collect()
+        self.nodes.anchored.iter().filter(|moves| !moves.is_empty()).cloned().collect()
     }
 
     /// The nodes as the points of a body, and what they take of carried dents.
@@ -90,8 +89,9 @@ impl LearnedRule {
             .iter()
             .zip(&fields)
             .zip(sources(source))
-            .filter(|((e, _), _)| !e.is_empty())
-            .map(|((e, field), simulation)| Sample {
+            .zip(&nodes.anchored)
+            .filter(|(_, moves)| !moves.is_empty())
+            .map(|(((e, field), simulation), _)| Sample {
                 contact: e.contact_point(),
                 // Not the one that was given with it: hits have the mesh's.
                 normal: source

@@ -1,6 +1,6 @@
 //! The example set: a base mesh and its examples, ready for use. It is immutable, and all instances share it.
 
-use super::blocks::Bytes;
+use super::blocks::{Bytes, DeltaBlocks};
 use super::example::Example;
 use super::mesh_lod::MeshLod;
 use super::options::{SetOptions, VertexMass};
@@ -298,7 +298,13 @@ impl ExampleSet {
     /// 1 is the error of no dent at all; 0 for an example that moves nothing.
     pub fn example_errors(&self) -> Vec<f32> {
         let mut errors = self.rule().predictor.errors().into_iter();
-        self.examples.iter().map(|e| if e.is_empty() { 0.0 } else { errors.next().unwrap_or(1.0) }).collect()
+        let error = |(e, moves): (&Example, &Arc<DeltaBlocks>)| match (e.is_empty(), moves.is_empty()) {
+            (true, _) => 0.0,
+            // It lies between the nodes, so that nobody knows of it.
+            (_, true) => 1.0,
+            _ => errors.next().unwrap_or(1.0),
+        };
+        self.examples.iter().zip(&self.nodes().lod.anchored).map(error).collect()
     }
 
     /// What a rule is learned from, with these nodes.

@@ -55,10 +55,9 @@ struct Image {
 }
 
 impl Predictor {
-    /// Learns the rule of a body from its samples, which have fields of all its points. The result does not depend on their order.
+    /// Learns the rule of a body from its samples, each of which moves some of its points. The result does not depend on their order.
     pub fn learn(body: Body, samples: &[Sample<'_>], tasks: &dyn TaskSystem) -> Self {
-        let moves = |i: &u32| samples[*i as usize].field.iter().any(|u| *u != Vec3::ZERO);
-        let mut order: Vec<u32> = (0..samples.len() as u32).filter(moves).collect();
+        let mut order: Vec<u32> = (0..samples.len() as u32).collect();
         order.sort_by_cached_key(|i| key(&samples[*i as usize]));
         let ordered: Vec<Sample> = order.iter().map(|i| samples[*i as usize]).collect();
         let mirrors = body.mirror.choices().filter(|m| *m != Mirror::NONE);

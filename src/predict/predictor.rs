@@ -153,7 +153,7 @@ impl Predictor {
     /// Relative L2 error of each sample's field when the others predict it from the blow (from the displacement if it knows no blow), in the
     /// order in which they were given.
     pub fn errors(&self) -> Vec<f32> {
-        let mut errors = vec![1.0; self.order.iter().max().map_or(0, |last| *last as usize + 1)];
+        let mut errors = vec![1.0; self.order.len()];
         // A sample that knows its blow has the error of that.
         for model in self.displacement.iter().chain(&self.blow) {
             let own = model.examples.iter().zip(&model.errors).filter(|((_, mirror), _)| *mirror == Mirror::NONE);
