@@ -120,7 +120,7 @@ fn learned(
     let mut round = 0;
     loop {
         let positions = pick(&nodes, mesh.positions());
-        let tree = tree(&positions, tasks);
+        let tree = VertexIndex::of_points(&positions, tasks);
         let at_nodes: Vec<Vec<Vec3>> = fields.iter().map(|field| pick(&nodes, field)).collect();
         let is_last = round == options.rounds;
         let fitting = Fitting {
@@ -238,12 +238,6 @@ impl Rows {
 /// The elements of these vertices.
 fn pick(vertices: &[u32], of: &[Vec3]) -> Vec<Vec3> {
     vertices.iter().map(|v| of[*v as usize]).collect()
-}
-
-/// The tree of the nodes' positions.
-fn tree(positions: &[Vec3], tasks: &dyn TaskSystem) -> VertexIndex {
-    let own: Vec<u32> = (0..positions.len() as u32).collect();
-    VertexIndex::new(positions, &own, tasks)
 }
 
 /// For each vertex of a tile, the largest difference from any field, m.

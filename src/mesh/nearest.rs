@@ -184,6 +184,11 @@ impl VertexIndex {
         VertexIndex { inner: inner.into(), leaves: leaves.into() }
     }
 
+    /// The tree of points, all of which it keeps.
+    pub(crate) fn of_points(points: &[Vec3], tasks: &dyn TaskSystem) -> Self {
+        Self::new(points, &(0..points.len() as u32).collect::<Vec<_>>(), tasks)
+    }
+
     /// Makes the tree from arrays of any origin whose leaves have [known](vertices_known) vertices. `None` if there is
     /// no leaf, or the number of inner nodes does not match the leaves. Arrays that do not form a tree only give wrong
     /// vertices.
@@ -381,12 +386,8 @@ fn halve(points: &mut [Point], n: usize) -> (&mut [Point], &mut [Point]) {
 mod tests {
     use super::*;
     use crate::base::tasks::{Serial, ThreadPool};
+    use crate::mesh::weld;
     use proptest::prelude::*;
-
-    fn weld(positions: &[Vec3]) -> Vec<u32> {
-        let first = |p: &Vec3| positions.iter().position(|q| q == p).unwrap() as u32;
-        positions.iter().map(first).collect()
-    }
 
     /// Squared distances and indices of all vertices, nearest first. Ties are sorted by index.
     fn compared(positions: &[Vec3], weld: &[u32], q: Vec3) -> Vec<(f32, u32)> {
@@ -417,7 +418,7 @@ mod tests {
     }
 
     fn check(positions: &[Vec3], q: Vec3) -> Result<(), TestCaseError> {
-        let weld = weld(positions);
+        let weld = weld(positions).unwrap();
         let index = VertexIndex::new(positions, &weld, &Serial);
         let all = compared(positions, &weld, q);
         let found = index.nearest(q, positions);
@@ -438,7 +439,7 @@ mod tests {
 
         #[test]
         fn the_tree_does_not_depend_on_threads(points in clouds()) {
-            let weld = weld(&points);
+            let weld = weld(&points).unwrap();
             let serial = VertexIndex::new(&points, &weld, &Serial);
             let parallel = VertexIndex::new(&points, &weld, &ThreadPool::new(3).unwrap());
             prop_assert_eq!(bytemuck::cast_slice::<_, u8>(&serial.inner), bytemuck::cast_slice::<_, u8>(&parallel.inner));

@@ -67,14 +67,10 @@ impl Rim {
         self.windows.is_empty()
     }
 
-    /// The windows of block `b`, or `None` if all are open.
-    pub(crate) fn block(&self, b: usize) -> Option<&WindowBlock> {
-        self.windows.get(*self.blocks.get(b)? as usize)
-    }
-
     /// The factor at vertex `v`.
     pub(crate) fn at(&self, v: u32) -> f32 {
-        self.block(v as usize / BLOCK).map_or(1.0, |b| b[v as usize % BLOCK])
+        let block = self.blocks.get(v as usize / BLOCK).and_then(|b| self.windows.get(*b as usize));
+        block.map_or(1.0, |b| b[v as usize % BLOCK])
     }
 
     pub(crate) fn bytes(&self) -> usize {
@@ -89,8 +85,7 @@ fn windows(held: &[Vec3], diagonal: f32, mesh: &Mesh, tasks: &dyn TaskSystem) ->
         return Default::default();
     }
     let width = WIDTH * diagonal;
-    let each: Vec<u32> = (0..held.len() as u32).collect();
-    let index = VertexIndex::new(held, &each, tasks);
+    let index = VertexIndex::of_points(held, tasks);
     // Squared distance to the nearest held point, m².
     let nearest = |p: Vec3| index.several::<1>(p).first().map(|(d2, _)| *d2);
     let window = |p: Vec3| {

@@ -4,7 +4,6 @@
 use super::body::Body;
 use super::features::{AXES, Points};
 use super::hits::Typical;
-use super::kernel::GROUPS;
 use super::predictor::{Model, Part, Predictor};
 use super::size::SizeLaw;
 use super::stamp::STAMP;
@@ -57,19 +56,17 @@ impl Flat<'_> {
     }
 
     /// A few numbers with places of their own.
-    fn fixed<const N: usize>(&mut self, all: [&mut f64; N]) -> Result<(), Error> {
+    fn fixed<'x>(&mut self, all: impl IntoIterator<Item = &'x mut f64>) -> Result<(), Error> {
+        let all: Vec<&mut f64> = all.into_iter().collect();
         let mut array = all.iter().map(|x| **x).collect();
         self.numbers(&mut array)?;
-        length("a group of numbers", array.len(), N)?;
+        length("a group of numbers", array.len(), all.len())?;
         all.into_iter().zip(array).for_each(|(to, x)| *to = x);
         Ok(())
     }
 
     fn part(&mut self, part: &mut Part, (rows, columns): (usize, usize)) -> Result<(), Error> {
-        let mut factors = part.factors.to_vec();
-        self.numbers(&mut factors)?;
-        length("a number of factors", factors.len(), GROUPS)?;
-        part.factors.copy_from_slice(&factors);
+        self.fixed(&mut part.factors)?;
         self.numbers(&mut part.mean)?;
         self.numbers(&mut part.coefficients)?;
         self.numbers(&mut part.steps)?;
@@ -81,12 +78,7 @@ impl Flat<'_> {
     }
 
     fn size(&mut self, law: &mut SizeLaw, rows: usize) -> Result<(), Error> {
-        let mut numbers: Vec<f64> = law.law.iter().chain(&law.factors).copied().chain([law.mean]).collect();
-        self.numbers(&mut numbers)?;
-        length("a size law", numbers.len(), 4 + GROUPS + 1)?;
-        law.law.copy_from_slice(&numbers[..4]);
-        law.factors.copy_from_slice(&numbers[4..4 + GROUPS]);
-        law.mean = numbers[4 + GROUPS];
+        self.fixed(law.law.iter_mut().chain(&mut law.factors).chain([&mut law.mean]))?;
         self.numbers(&mut law.coefficients)?;
         self.numbers(&mut law.knots)?;
         length("a number of coefficients", law.coefficients.len(), rows)?;
