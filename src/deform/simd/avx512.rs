@@ -42,6 +42,7 @@ impl Simd for Avx512 {
         fn max(a: __m512, b: __m512) -> __m512 = _mm512_max_ps(a, b);
         fn equal(a: __m512, b: __m512) -> __mmask16 = _mm512_cmp_ps_mask::<_CMP_EQ_OQ>(a, b);
         fn greater(a: __m512, b: __m512) -> __mmask16 = _mm512_cmp_ps_mask::<_CMP_GT_OQ>(a, b);
+        fn both(a: __mmask16, b: __mmask16) -> __mmask16 = a & b;
         fn select(m: __mmask16, a: __m512, b: __m512) -> __m512 = _mm512_mask_blend_ps(m, b, a);
         fn splat_int(x: i32) -> __m512i = _mm512_set1_epi32(x);
         fn truncate(a: __m512) -> __m512i = _mm512_cvttps_epi32(a);
@@ -69,10 +70,6 @@ impl Simd for Avx512 {
             let [lo, hi] = halves(a);
             Avx2::highest(_mm256_max_ps(lo, hi))
         }
-    }
-    #[inline(always)]
-    unsafe fn both(a: __mmask16, b: __mmask16) -> __mmask16 {
-        a & b
     }
     #[inline(always)]
     unsafe fn deinterleave([a, b, c]: [__m512; 3]) -> [__m512; 3] {

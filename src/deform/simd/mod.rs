@@ -3,12 +3,12 @@
 //! All levels share one source: a kernel is generic over [`Simd`], and each level compiles it for its instructions. All
 //! operations follow IEEE 754 (no fused multiply-add, no approximate reciprocals), so every level gives the same bits.
 
-/// Defines functions of [`Simd`] that are one expression of intrinsics.
-#[cfg(target_arch = "x86_64")]
+/// Defines functions of [`Simd`] that are one expression.
 macro_rules! intrinsics {
-    ($(fn $name:ident $(<$t:ident>)? ($($arg:ident: $type:ty),*) $(-> $out:ty)? = $body:expr;)*) => {$(
+    ($(fn $name:ident ($($arg:ident: $type:ty),*) $(-> $out:ty)? = $body:expr;)*) => {$(
         #[inline(always)]
-        unsafe fn $name $(<$t>)? ($($arg: $type),*) $(-> $out)? {
+        #[allow(unused_unsafe, reason = "some expressions are safe")]
+        unsafe fn $name($($arg: $type),*) $(-> $out)? {
             // SAFETY: callers uphold the trait's requirements, which are those of the intrinsics.
             unsafe { $body }
         }
@@ -43,7 +43,7 @@ pub enum SimdLevel {
     Avx512 = 3,
 }
 
-/// The level in use; 0 until first queried.
+/// The level that [`SimdLevel::force`] set; 0: none.
 static LEVEL: AtomicU8 = AtomicU8::new(0);
 
 impl SimdLevel {
@@ -83,11 +83,7 @@ impl SimdLevel {
             1 => SimdLevel::Portable,
             2 => SimdLevel::Avx2,
             3 => SimdLevel::Avx512,
-            _ => {
-                let best = Self::best();
-                LEVEL.store(best as u8, Ordering::Relaxed);
-                best
-            }
+            _ => Self::best(),
         }
     }
 

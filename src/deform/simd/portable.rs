@@ -13,103 +13,40 @@ impl Simd for Portable {
     type I = i32x8;
     type M = f32x8;
 
-    #[inline(always)]
-    unsafe fn splat(x: f32) -> f32x8 {
-        f32x8::splat(x)
+    intrinsics! {
+        fn splat(x: f32) -> f32x8 = f32x8::splat(x);
+        fn load(p: *const f32) -> f32x8 = f32x8::from(p.cast::<[f32; 8]>().read_unaligned());
+        fn store(p: *mut f32, v: f32x8) = p.cast::<[f32; 8]>().write_unaligned(v.to_array());
+        fn add(a: f32x8, b: f32x8) -> f32x8 = a + b;
+        fn sub(a: f32x8, b: f32x8) -> f32x8 = a - b;
+        fn mul(a: f32x8, b: f32x8) -> f32x8 = a * b;
+        fn div(a: f32x8, b: f32x8) -> f32x8 = a / b;
+        fn sqrt(a: f32x8) -> f32x8 = a.sqrt();
+        fn min(a: f32x8, b: f32x8) -> f32x8 = b.simd_gt(a).select(a, b);
+        fn max(a: f32x8, b: f32x8) -> f32x8 = a.simd_gt(b).select(a, b);
+        fn lowest(a: f32x8) -> f32 =
+            a.to_array().into_iter().fold(f32::INFINITY, |m, x| if x < m { x } else { m });
+        fn highest(a: f32x8) -> f32 =
+            a.to_array().into_iter().fold(f32::NEG_INFINITY, |m, x| if x > m { x } else { m });
+        fn equal(a: f32x8, b: f32x8) -> f32x8 = a.simd_eq(b);
+        fn greater(a: f32x8, b: f32x8) -> f32x8 = a.simd_gt(b);
+        fn both(a: f32x8, b: f32x8) -> f32x8 = a & b;
+        fn select(m: f32x8, a: f32x8, b: f32x8) -> f32x8 = m.select(a, b);
+        fn splat_int(x: i32) -> i32x8 = i32x8::splat(x);
+        fn truncate(a: f32x8) -> i32x8 = a.trunc_int();
+        fn float(a: i32x8) -> f32x8 = a.round_float();
+        fn add_int(a: i32x8, b: i32x8) -> i32x8 = a + b;
+        fn load_pairs(p: *const i8) -> i32x8 = bytemuck::cast(p.cast::<[i8; 16]>().read_unaligned().map(i16::from));
+        fn load_halves(p: *const u16) -> f32x8 =
+            f32x8::from(p.cast::<[u16; 8]>().read_unaligned().map(|h| f32::from_bits(u32::from(h) << 16)));
+        fn packed(low: i32x8, high: i32x8) -> i32x8 = (low & i32x8::splat(0xFFFF)) | high << 16;
+        fn store_int(p: *mut i32, v: i32x8) = p.cast::<[i32; 8]>().write_unaligned(v.to_array());
     }
-    #[inline(always)]
-    unsafe fn load(p: *const f32) -> f32x8 {
-        // SAFETY: eight floats are there, as the trait requires.
-        f32x8::from(unsafe { p.cast::<[f32; 8]>().read_unaligned() })
-    }
-    #[inline(always)]
-    unsafe fn store(p: *mut f32, v: f32x8) {
-        // SAFETY: there is room for eight floats.
-        unsafe { p.cast::<[f32; 8]>().write_unaligned(v.to_array()) }
-    }
-    #[inline(always)]
-    unsafe fn add(a: f32x8, b: f32x8) -> f32x8 {
-        a + b
-    }
-    #[inline(always)]
-    unsafe fn sub(a: f32x8, b: f32x8) -> f32x8 {
-        a - b
-    }
-    #[inline(always)]
-    unsafe fn mul(a: f32x8, b: f32x8) -> f32x8 {
-        a * b
-    }
-    #[inline(always)]
-    unsafe fn div(a: f32x8, b: f32x8) -> f32x8 {
-        a / b
-    }
-    #[inline(always)]
-    unsafe fn sqrt(a: f32x8) -> f32x8 {
-        a.sqrt()
-    }
-    #[inline(always)]
-    unsafe fn min(a: f32x8, b: f32x8) -> f32x8 {
-        b.simd_gt(a).select(a, b)
-    }
-    #[inline(always)]
-    unsafe fn max(a: f32x8, b: f32x8) -> f32x8 {
-        a.simd_gt(b).select(a, b)
-    }
-    #[inline(always)]
-    unsafe fn lowest(a: f32x8) -> f32 {
-        a.to_array().into_iter().fold(f32::INFINITY, |m, x| if x < m { x } else { m })
-    }
-    #[inline(always)]
-    unsafe fn highest(a: f32x8) -> f32 {
-        a.to_array().into_iter().fold(f32::NEG_INFINITY, |m, x| if x > m { x } else { m })
-    }
-    #[inline(always)]
-    unsafe fn equal(a: f32x8, b: f32x8) -> f32x8 {
-        a.simd_eq(b)
-    }
-    #[inline(always)]
-    unsafe fn greater(a: f32x8, b: f32x8) -> f32x8 {
-        a.simd_gt(b)
-    }
-    #[inline(always)]
-    unsafe fn both(a: f32x8, b: f32x8) -> f32x8 {
-        a & b
-    }
-    #[inline(always)]
-    unsafe fn select(m: f32x8, a: f32x8, b: f32x8) -> f32x8 {
-        m.select(a, b)
-    }
-    #[inline(always)]
-    unsafe fn splat_int(x: i32) -> i32x8 {
-        i32x8::splat(x)
-    }
-    #[inline(always)]
-    unsafe fn truncate(a: f32x8) -> i32x8 {
-        a.trunc_int()
-    }
-    #[inline(always)]
-    unsafe fn float(a: i32x8) -> f32x8 {
-        a.round_float()
-    }
-    #[inline(always)]
-    unsafe fn add_int(a: i32x8, b: i32x8) -> i32x8 {
-        a + b
-    }
+
     #[inline(always)]
     unsafe fn dot_pairs(a: i32x8, b: i32x8) -> i32x8 {
         let (a, b): ([i16x8; 2], [i16x8; 2]) = (bytemuck::cast(a), bytemuck::cast(b));
         bytemuck::cast([a[0].dot(b[0]), a[1].dot(b[1])])
-    }
-    #[inline(always)]
-    unsafe fn load_pairs(p: *const i8) -> i32x8 {
-        // SAFETY: sixteen values are there, as the trait requires.
-        let numbers = unsafe { p.cast::<[i8; 16]>().read_unaligned() };
-        bytemuck::cast(numbers.map(i16::from))
-    }
-    #[inline(always)]
-    unsafe fn load_halves(p: *const u16) -> f32x8 {
-        // SAFETY: eight values are there, as the trait requires.
-        f32x8::from(unsafe { p.cast::<[u16; 8]>().read_unaligned() }.map(|h| f32::from_bits(u32::from(h) << 16)))
     }
     #[inline(always)]
     unsafe fn deinterleave([a, b, c]: [f32x8; 3]) -> [f32x8; 3] {
@@ -128,14 +65,5 @@ impl Simd for Portable {
             f32x8::from([z[2], x[3], y[3], z[3], x[4], y[4], z[4], x[5]]),
             f32x8::from([y[5], z[5], x[6], y[6], z[6], x[7], y[7], z[7]]),
         ]
-    }
-    #[inline(always)]
-    unsafe fn packed(low: i32x8, high: i32x8) -> i32x8 {
-        (low & i32x8::splat(0xFFFF)) | high << 16
-    }
-    #[inline(always)]
-    unsafe fn store_int(p: *mut i32, v: i32x8) {
-        // SAFETY: there is room for eight numbers.
-        unsafe { p.cast::<[i32; 8]>().write_unaligned(v.to_array()) }
     }
 }
