@@ -6,7 +6,7 @@ use crate::example::blow::StrikerShape;
 use glam::{DMat3, DVec3};
 
 /// What one point did in the step.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Push {
     /// Normal impulse times the gain, N·s.
     pub impulse: f64,
@@ -96,7 +96,7 @@ impl Push {
 }
 
 /// A push on one of the two bodies.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Part {
     /// In the body's own space, m.
     pub place: DVec3,
@@ -123,6 +123,35 @@ impl Part {
             push,
         }
     }
+
+    /// This sum of parts and another part. Places, normals and velocities are added up times the impulses; the mass is guessed if all
+    /// are.
+    fn and(self, part: Part) -> Part {
+        let (sum, push, j) = (self.push, part.push, part.push.impulse);
+        Part {
+            place: self.place + part.place * j,
+            normal: self.normal + part.normal * j,
+            velocity: part.velocity.map(|v| v * j + self.velocity.unwrap_or_default()).or(self.velocity),
+            radius: larger(part.radius, self.radius),
+            shape: self.shape.max(part.shape),
+            push: Push {
+                impulse: sum.impulse + j,
+                speed: larger(push.speed, sum.speed),
+                derived: sum.derived || push.derived,
+                mass: larger(push.mass, sum.mass),
+                guessed: sum.guessed.zip(push.guessed).map(|(a, b)| a + b),
+            },
+        }
+    }
+
+    /// The one part that a sum is.
+    fn mean(self) -> Part {
+        let impulse = self.push.impulse;
+        let normal = self.normal.normalize_or_zero();
+        let velocity = self.velocity.filter(|_| !self.push.derived).map(|v| v / impulse);
+        let speed = velocity.map(|v| -v.dot(normal)).or(self.push.speed);
+        Part { place: self.place / impulse, normal, velocity, push: Push { speed, ..self.push }, ..self }
+    }
 }
 
 /// Takes the parts that make one dent with the strongest out of `parts`, and joins them at their centre by impulse.
@@ -131,78 +160,17 @@ pub(super) fn next_blow(parts: &mut Vec<Part>, radius: f64) -> Option<Part> {
     let stronger = |a: &Part, b: &Part| if b.push.impulse > a.push.impulse { *b } else { *a };
     let strongest = parts.iter().copied().reduce(|a, b| stronger(&a, &b))?;
     let near = |part: &Part| part.place.distance_squared(strongest.place) <= radius * radius;
-    let mut sum = Sum::default();
-    parts.retain(|part| {
-        let near = near(part);
-        if near {
-            sum.add(part);
-        }
-        !near
-    });
+    let none = Part { push: Push { guessed: Some(0.0), ..Push::default() }, ..Part::default() };
+    let sum = parts.extract_if(.., |part| near(part)).fold(none, Part::and);
     // A place out of range has no distance, not even from itself.
-    if sum.impulse == 0.0 {
+    if sum.push.impulse == 0.0 {
         parts.clear();
         return None;
     }
-    Some(sum.blow())
+    Some(sum.mean())
 }
 
-#[derive(Debug, Default)]
-struct Sum {
-    impulse: f64,
-    place: DVec3,
-    normal: DVec3,
-    velocity: Option<DVec3>,
-    speed: Option<f64>,
-    radius: Option<f32>,
-    shape: StrikerShape,
-    derived: bool,
-    mass: Option<f64>,
-    /// The guessed masses, and the impulse that they stand for.
-    guessed: (f64, f64),
-}
-
-impl Sum {
-    fn add(&mut self, part: &Part) {
-        let j = part.push.impulse;
-        self.impulse += j;
-        self.place += part.place * j;
-        self.normal += part.normal * j;
-        self.velocity = part.velocity.map(|v| v * j + self.velocity.unwrap_or_default()).or(self.velocity);
-        self.speed = part.push.speed.max_with(self.speed);
-        self.radius = part.radius.max_with(self.radius);
-        self.shape = self.shape.max(part.shape);
-        self.derived |= part.push.derived;
-        self.mass = part.push.mass.max_with(self.mass);
-        if let Some(mass) = part.push.guessed {
-            self.guessed = (self.guessed.0 + mass, self.guessed.1 + j);
-        }
-    }
-
-    fn blow(self) -> Part {
-        let normal = self.normal.normalize_or_zero();
-        let velocity = self.velocity.filter(|_| !self.derived).map(|v| v / self.impulse);
-        let push = Push {
-            impulse: self.impulse,
-            speed: velocity.map(|v| -v.dot(normal)).or(self.speed),
-            derived: self.derived,
-            mass: self.mass,
-            guessed: (self.guessed.1 == self.impulse).then_some(self.guessed.0),
-        };
-        Part { place: self.place / self.impulse, normal, velocity, radius: self.radius, shape: self.shape, push }
-    }
-}
-
-/// The larger of two numbers that may be unknown.
-trait MaxWith: Sized {
-    fn max_with(self, other: Self) -> Self;
-}
-
-impl<T: PartialOrd + Copy> MaxWith for Option<T> {
-    fn max_with(self, other: Self) -> Self {
-        match (self, other) {
-            (Some(a), Some(b)) => Some(if b > a { b } else { a }),
-            (a, b) => a.or(b),
-        }
-    }
+/// The larger of two numbers. What is unknown is less than any.
+fn larger<T: PartialOrd>(a: Option<T>, b: Option<T>) -> Option<T> {
+    if b > a { b } else { a }
 }

@@ -19,21 +19,20 @@ mod share;
 mod touch;
 
 use crate::base::error::{Error, positive};
-use crate::base::math::to_f32;
 use crate::base::sync::{Mutex, MutexGuard};
 use crate::instance::inbox::Inbox;
 use crate::select::hit::Hit;
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use manifold::{Part, Push, next_blow};
 use options::ContactOptions;
 use point::{Body, ContactPoint, Reported};
 use report::{ContactHit, ContactReport};
 use scale::{Scale, Scales};
-use share::{Whole, shares};
+use share::shares;
 use std::num::NonZeroU64;
 use std::ops::Range;
 use std::sync::Arc;
-use touch::{Fit, Key, Touch, blow};
+use touch::{Fit, Key, Touch};
 
 /// Contacts of the layer have ids from here on, so that they are not those of a host.
 const FIRST_ID: u64 = 1 << 63;
@@ -89,7 +88,7 @@ struct Waiting {
     most: usize,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Default)]
 struct State {
     options: ContactOptions,
     scales: Scales,
@@ -113,18 +112,7 @@ impl ContactLayer {
     /// [`Error::InvalidArgument`] naming the option.
     pub fn new(options: ContactOptions) -> Result<Self, Error> {
         options.check()?;
-        let state = State {
-            options,
-            scales: Scales::default(),
-            touches: Vec::new(),
-            now: 0.0,
-            seconds: 0.0,
-            last_id: FIRST_ID,
-            totals: ContactReport::default(),
-            points: Vec::new(),
-            pushes: Vec::new(),
-            parts: Vec::new(),
-        };
+        let state = State { options, last_id: FIRST_ID, ..State::default() };
         let waiting = Waiting { points: Vec::new(), most: options.max_points as usize };
         Ok(ContactLayer { waiting: Mutex::new(waiting), state: Mutex::new(state) })
     }
@@ -275,6 +263,15 @@ impl ContactReport {
     }
 }
 
+/// One body of a pair that dents.
+struct Dented<'a> {
+    key: Key,
+    body: &'a Body,
+    scale: Scale,
+    /// The transform from world space.
+    to_body: (DMat3, DVec3),
+}
+
 impl State {
     /// The points of one pair in this step.
     fn pair(&mut self, points: &[Reported], report: &mut ContactReport, told: &mut Told<'_>) {
@@ -289,24 +286,22 @@ impl State {
         let mut share = None;
         for side in 0..2 {
             let (Some(body), Some(inbox)) = (bodies[side], &inboxes[side]) else { continue };
+            let (pair, numbers) = points[0].key();
             let scale = self.scales.of(inbox.example_set()).with(&self.options);
-            if !self.live(points, &pushes, side, &scale, inbox, report) {
+            let dented = Dented { key: (pair, numbers, side), body, scale, to_body: inbox.world_to_local() };
+            if !self.live(points, &pushes, &dented, report) {
                 continue;
             }
             // Only touches that begin need it, and it takes two predictions.
             let mut own = || {
                 (*share.get_or_insert_with(|| match &inboxes {
-                    [Some(a), Some(b)] => {
-                        whole(points, &pushes).map_or([0.5; 2], |(w, radii)| shares(&w, [a, b], radii))
-                    }
+                    [Some(a), Some(b)] => shares(points, &pushes, [a, b]),
                     _ => [1.0; 2],
                 }))[side]
             };
-            let (pair, numbers) = points[0].key();
-            let cap = self.cap((pair, numbers, side));
-            while let Some(blow) = next_blow(&mut self.parts, scale.radius) {
-                let hit = self.blow((pair, numbers, side), (body, inbox), (&blow, cap), &scale, &mut own, report);
-                if let Some(hit) = hit {
+            let cap = self.cap(dented.key);
+            while let Some(blow) = next_blow(&mut self.parts, dented.scale.radius) {
+                if let Some(hit) = self.blow(&dented, &blow, cap, &mut own, report) {
                     report.hit(pair, inbox, &hit, told);
                 }
             }
@@ -339,35 +334,25 @@ impl State {
     }
 
     /// Fills `parts` with the points that push the body fast enough. Whether there are any.
-    fn live(
-        &mut self,
-        points: &[Reported],
-        pushes: &[Push],
-        side: usize,
-        scale: &Scale,
-        inbox: &Inbox,
-        report: &mut ContactReport,
-    ) -> bool {
+    fn live(&mut self, points: &[Reported], pushes: &[Push], dented: &Dented<'_>, report: &mut ContactReport) -> bool {
         self.parts.clear();
+        let scale = &dented.scale;
         let total: f64 = pushes.iter().map(|push| push.impulse).sum();
-        let (pair, numbers) = points[0].key();
         // A touch goes on at less speed than it needs to begin. Solvers stop bodies in several steps, and the last may be as
         // slow as a body that rests. The touch's cap keeps the weight out, if the approach is known.
-        let (begins, resting) = (self.touches_of((pair, numbers, side)).is_empty(), self.resting(scale));
+        let (begins, resting) = (self.touches_of(dented.key).is_empty(), self.resting(scale));
         let least = |push: &Push| match push.approach() {
             _ if begins => scale.speed,
             Some(_) => 0.0,
             None => resting,
         };
         let fast = |push: &Push| push.speed.map_or(total >= scale.impulse, |speed| speed >= least(push));
-        let mut to_body = None;
         for (point, push) in points.iter().zip(pushes) {
             if push.impulse <= 0.0 {
                 continue;
             }
             if fast(push) {
-                let to_body = *to_body.get_or_insert_with(|| inbox.world_to_local());
-                self.parts.push(Part::new(point, *push, side, to_body));
+                self.parts.push(Part::new(point, *push, dented.key.2, dented.to_body));
             } else if push.speed.is_some_and(|speed| speed < -scale.speed) {
                 report.separating += 1;
             } else {
@@ -380,13 +365,13 @@ impl State {
     /// One blow on one body: adds it to its touch. Returns what is strong enough for a hit.
     fn blow(
         &mut self,
-        key: Key,
-        (body, inbox): (&Body, &Inbox),
-        (blow, cap): (&Part, f64),
-        scale: &Scale,
+        dented: &Dented<'_>,
+        blow: &Part,
+        cap: f64,
         share: &mut dyn FnMut() -> f64,
         report: &mut ContactReport,
     ) -> Option<Hit> {
+        let (key, scale) = (dented.key, &dented.scale);
         let begins = blow.push.speed.is_none_or(|speed| speed >= scale.speed);
         let at = match self.nearest(key, blow, scale.radius) {
             None if !begins => {
@@ -401,16 +386,16 @@ impl State {
                 Fit::Same => at,
                 Fit::Another => {
                     report.end(&self.touches.remove(at));
-                    self.begin(key, body, blow, share(), report)
+                    self.begin(dented, blow, share(), report)
                 }
             },
-            None => self.begin(key, body, blow, share(), report),
+            None => self.begin(dented, blow, share(), report),
         };
         let others = self.whole(key) - self.touches[at].whole().unwrap_or(0.0);
         let touch = &mut self.touches[at];
         touch.cap = cap;
         touch.add(blow, cap - others);
-        touch.hit(scale.energy, inbox.world_to_local())
+        touch.hit(scale.energy, dented.to_body)
     }
 
     /// Energy of the touches of a key before the bodies share it, J.
@@ -457,7 +442,7 @@ impl State {
     }
 
     /// Begins a touch and returns its index. If there are too many, the oldest ends.
-    fn begin(&mut self, key: Key, body: &Body, blow: &Part, share: f64, report: &mut ContactReport) -> usize {
+    fn begin(&mut self, dented: &Dented<'_>, blow: &Part, share: f64, report: &mut ContactReport) -> usize {
         if self.touches.len() >= self.options.max_touches as usize {
             let oldest = (0..self.touches.len()).min_by_key(|at| self.touches[*at].id);
             if let Some(at) = oldest {
@@ -468,8 +453,8 @@ impl State {
         let id = NonZeroU64::new(self.last_id).unwrap_or(NonZeroU64::MAX);
         self.last_id = self.last_id.checked_add(1).unwrap_or(FIRST_ID);
         report.begun += 1;
-        let at = self.touches.partition_point(|touch| touch.key <= key);
-        self.touches.insert(at, Touch::new(key, id, body.clone(), blow.place, self.now, share));
+        let at = self.touches.partition_point(|touch| touch.key <= dented.key);
+        self.touches.insert(at, Touch::new(dented.key, id, dented.body.clone(), blow.place, self.now, share));
         at
     }
 
@@ -488,19 +473,4 @@ impl State {
             !over
         });
     }
-}
-
-/// The whole of a pair's push, as the first body gets it, and the radii of both. `None` if nothing pushes.
-fn whole(points: &[Reported], pushes: &[Push]) -> Option<(Whole, [Option<f32>; 2])> {
-    let pushing = || points.iter().zip(pushes).filter(|(_, push)| push.impulse > 0.0);
-    let total: f64 = pushing().map(|(_, push)| push.impulse).sum();
-    let (fastest, push) = pushing().reduce(|a, b| if b.1.speed > a.1.speed { b } else { a })?;
-    let place = pushing().map(|(p, push)| p.point * push.impulse).sum::<DVec3>() / total;
-    let speed = push.speed.filter(|speed| *speed > 0.0);
-    // In the first of many steps only a part of the impulse is known.
-    let expected = fastest.mass.zip(speed).map_or(total, |(mass, speed)| total.max(mass * speed));
-    let normal = fastest.normal;
-    let striker = speed.map(|speed| (expected / speed, fastest.velocity.unwrap_or(normal * -speed)));
-    let blow = blow((normal, expected), striker);
-    Some((Whole { point: to_f32(place), blow }, fastest.radii))
 }
