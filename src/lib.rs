@@ -83,7 +83,7 @@ pub use example::set::ExampleSet;
 pub use glam;
 pub use instance::Instance;
 pub use instance::archive::{load_all, save_all};
-pub use instance::attachment::{Attachment, Pose};
+pub use instance::attach::{Attachment, Pose};
 pub use instance::deform::{DeformJob, deform, deform_within, fold_all};
 pub use instance::inbox::Inbox;
 pub use instance::mapped::{Mapping, map_damage};

@@ -7,7 +7,7 @@ use super::deform::c_ranges;
 use super::prelude::*;
 use super::store::{InstanceEntry, Memory};
 use super::types::{CrumpleAabb, CrumpleRange};
-use crate::instance::attachment::Attachment;
+use crate::instance::attach::Attachment;
 use bytemuck::{Pod, Zeroable};
 
 /// Takes a part off a body. part is the number of a mesh of the set (crumple_example_set_add_lod()) whose vertices lie at

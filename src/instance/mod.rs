@@ -2,7 +2,6 @@
 
 pub(crate) mod archive;
 pub(crate) mod attach;
-pub(crate) mod attachment;
 mod contacts;
 pub(crate) mod deform;
 mod growth;
