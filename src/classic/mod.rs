@@ -2,50 +2,34 @@
 //! Processing Units". It needs per-vertex state, and its result depends on the order of impulses. Neither is true of
 //! the default rule. It is kept for comparison.
 
-pub(crate) mod select;
-
 use crate::base::error::{Error, reserve};
 use crate::damage::saved;
 use crate::deform::view::DisplacedVertices;
-use crate::example::blocks::DeltaBlocks;
 use crate::example::set::ExampleSet;
+use crate::select::hit::Chosen;
+use crate::select::target::HitTarget;
+use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-/// What a classic instance does with a vertex that is already displaced further (Figure 4.3, lines 5 to 9).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Blend {
-    /// The "fine constant" of line 8; 0 keeps the most displaced candidate.
-    pub constant: f32,
-}
-
-/// An example as the paper stores it: an index and three floats per moved vertex.
-#[derive(Debug, Clone)]
-pub(crate) struct Sparse {
-    entries: Vec<SparseEntry>,
-    /// Change of normal of each entry; empty if the mesh has no normals.
-    normals: Vec<Vec3>,
-}
-
-#[repr(C)]
-#[derive(Debug, Clone, Copy)]
-struct SparseEntry {
-    vertex: u32,
-    /// m.
-    displacement: Vec3,
-}
-
-impl Sparse {
-    pub(crate) fn new(example: &DeltaBlocks, normals: bool) -> Self {
-        let moved = || example.iter().filter(move |(_, d, _)| normals || *d != Vec3::ZERO);
-        Sparse {
-            entries: moved().map(|(vertex, displacement, _)| SparseEntry { vertex, displacement }).collect(),
-            normals: if normals { moved().map(|(_, _, n)| n).collect() } else { Vec::new() },
+/// Figure 4.2. Selects the example with the best cosine similarity (Eq. 4.5) among those that move the contact. Its weight is the
+/// length of the target over that of the example's displacement (Eq. 4.7), at most 1 if `clamp`. Also returns
+/// the displacement of the contact by the example before weighting, m.
+pub(crate) fn select_by_cosine(set: &ExampleSet, target: &HitTarget, clamp: bool) -> Option<(Chosen, Vec3)> {
+    let mut best: Option<(f32, usize, Vec3)> = None;
+    for (i, whole) in set.base_lod().anchored.iter().enumerate() {
+        let d = whole.delta(target.contact);
+        let length = d.length();
+        if length > 0.0 {
+            let cos = d.dot(target.direction) / length;
+            if best.is_none_or(|b| cos > b.0) {
+                best = Some((cos, i, d));
+            }
         }
     }
-
-    fn bytes(&self) -> usize {
-        size_of_val(&self.entries[..]) + size_of_val(&self.normals[..])
-    }
+    let (_, example, delta) = best?;
+    let weight = target.size / delta.length();
+    let weight = if clamp { weight.min(1.0) } else { weight };
+    Some((Chosen { example: example as u32, weight }, delta))
 }
 
 /// The displaced vertices of one instance.
@@ -53,8 +37,6 @@ impl Sparse {
 pub(crate) struct ClassicState {
     positions: Vec<Vec3>,
     normals: Vec<Vec3>,
-    /// The examples used so far, in the form that the rule reads.
-    sparse: Vec<Option<Sparse>>,
     /// The last hits, in order. A copy of the state elsewhere applies those that it lacks.
     journal: Vec<Applied>,
     /// The journal holds every change after this epoch.
@@ -80,15 +62,11 @@ impl ClassicState {
         let base = set.mesh().normals().unwrap_or(&[]);
         let mut normals = reserve(base.len(), "an instance's normals")?;
         normals.extend_from_slice(base);
-        let sparse = set.examples().iter().map(|_| None).collect();
-        Ok(ClassicState { positions, normals, sparse, journal: Vec::new(), known_since: 0 })
+        Ok(ClassicState { positions, normals, journal: Vec::new(), known_since: 0 })
     }
 
     pub(crate) fn memory_bytes(&self) -> usize {
-        size_of_val(&self.positions[..])
-            + size_of_val(&self.normals[..])
-            + self.sparse.iter().flatten().map(Sparse::bytes).sum::<usize>()
-            + size_of_val(&self.journal[..])
+        size_of_val(&self.positions[..]) + size_of_val(&self.normals[..]) + size_of_val(&self.journal[..])
     }
 
     pub(crate) fn vertices(&self) -> DisplacedVertices<'_> {
@@ -117,30 +95,28 @@ impl ClassicState {
         self.journal.clear();
     }
 
-    /// Applies Figure 4.3 to every vertex that `example` moves. Drops a candidate that is not finite (after many
-    /// unclamped weights far above 2).
-    pub(crate) fn apply(&mut self, set: &ExampleSet, example: u32, weight: f32, blend: Blend) {
+    /// Applies Figure 4.3 to every vertex that `example` moves. Blends by `constant` where a vertex is already displaced further
+    /// (lines 5 to 9); 0 keeps the most displaced candidate. Drops a candidate that is not finite (after many unclamped weights
+    /// far above 2).
+    pub(crate) fn apply(&mut self, set: &ExampleSet, example: u32, weight: f32, constant: f32) {
         let base = set.mesh().positions();
         let lerp = |a: Vec3, b: Vec3, w: f32| a + (b - a) * w;
-        let i = example as usize;
-        let with_normals = set.mesh().normals().is_some();
-        let sparse = self.sparse[i].get_or_insert_with(|| Sparse::new(&set.base_lod().anchored[i], with_normals));
-        for (i, e) in sparse.entries.iter().enumerate() {
-            let v = e.vertex as usize;
+        for (v, displacement, turn) in set.base_lod().anchored[example as usize].iter() {
+            let v = v as usize;
             let current = self.positions[v];
-            let result = lerp(current, base[v] + e.displacement, weight);
+            let result = lerp(current, base[v] + displacement, weight);
             if !result.is_finite() {
                 continue;
             }
             let further = (result - base[v]).length_squared() >= (current - base[v]).length_squared();
             // Vertices around the dent only change their normal: the paper's example does not contain them.
-            if e.displacement != Vec3::ZERO {
-                self.positions[v] = if further { result } else { lerp(current, result, blend.constant) };
+            if displacement != Vec3::ZERO {
+                self.positions[v] = if further { result } else { lerp(current, result, constant) };
             }
             if let (Some(normal), Some(base)) = (self.normals.get_mut(v), set.mesh().normals()) {
-                let result = lerp(*normal, base[v] + sparse.normals[i], weight);
+                let result = lerp(*normal, base[v] + turn, weight);
                 if result.is_finite() {
-                    *normal = if further { result } else { lerp(*normal, result, blend.constant) };
+                    *normal = if further { result } else { lerp(*normal, result, constant) };
                 }
             }
         }
@@ -158,43 +134,31 @@ impl ClassicState {
         }
     }
 
-    /// Saves changed vertices as entries of 28 bytes: u32 vertex, 3 × f32 position (m), 3 × f32 normal (zero if the
-    /// mesh has none).
+    /// Saves the changed vertices.
     pub(crate) fn save(&self, set: &ExampleSet) -> Vec<u8> {
-        let changed: Vec<usize> = (0..self.positions.len())
-            .filter(|v| {
-                self.positions[*v] != set.mesh().positions()[*v]
-                    || set.mesh().normals().is_some_and(|n| n[*v] != self.normals[*v])
-            })
-            .collect();
-        let mut out = saved::header(set, saved::CLASSIC, changed.len());
-        for v in changed {
-            out.extend((v as u32).to_le_bytes());
-            let n = self.normals.get(v).copied().unwrap_or(Vec3::ZERO);
-            for x in self.positions[v].to_array().into_iter().chain(n.to_array()) {
-                out.extend(x.to_bits().to_le_bytes());
-            }
-        }
-        saved::seal(&mut out);
-        out
+        let mesh = set.mesh();
+        let changed = |v: &usize| {
+            self.positions[*v] != mesh.positions()[*v] || mesh.normals().is_some_and(|n| n[*v] != self.normals[*v])
+        };
+        let entry = |v: usize| SavedVertex {
+            vertex: v as u32,
+            position: self.positions[v].to_array(),
+            normal: self.normals.get(v).map_or([0.0; 3], Vec3::to_array),
+        };
+        let entries: Vec<SavedVertex> = (0..self.positions.len()).filter(changed).map(entry).collect();
+        saved::write(set, saved::CLASSIC, &entries)
     }
 
-    /// Reads the state that [`State::save`] wrote.
+    /// Reads the state that [`ClassicState::save`] wrote.
     pub(crate) fn load(set: &ExampleSet, bytes: &[u8]) -> Result<Self, Error> {
         let mut state = ClassicState::new(set)?;
-        for (at, e) in saved::entries(set, bytes, saved::CLASSIC, 28)?.chunks_exact(28).enumerate() {
-            let word = |i: usize| u32::from_le_bytes([e[i], e[i + 1], e[i + 2], e[i + 3]]);
-            let vec =
-                |i: usize| Vec3::new(f32::from_bits(word(i)), f32::from_bits(word(i + 4)), f32::from_bits(word(i + 8)));
-            let v = word(0) as usize;
-            let (p, n) = (vec(4), vec(16));
+        for (at, entry) in saved::read::<SavedVertex>(set, saved::CLASSIC, bytes)?.into_iter().enumerate() {
+            let v = entry.vertex as usize;
+            let (p, n) = (Vec3::from(entry.position), Vec3::from(entry.normal));
             if v >= state.positions.len() || !p.is_finite() || !n.is_finite() {
-                return Err(Error::DamageMismatch {
-                    what: format!(
-                        "entry {at}: vertex {v} at {p}; vertices go to {}, numbers must be finite",
-                        set.vertex_count() - 1
-                    ),
-                });
+                let last = set.vertex_count() - 1;
+                let what = format!("entry {at}: vertex {v} at {p}; vertices go to {last}, numbers must be finite");
+                return Err(Error::DamageMismatch { what });
             }
             state.positions[v] = p;
             if let Some(slot) = state.normals.get_mut(v) {
@@ -203,4 +167,15 @@ impl ClassicState {
         }
         Ok(state)
     }
+}
+
+/// A vertex of saved damage.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct SavedVertex {
+    vertex: u32,
+    /// m.
+    position: [f32; 3],
+    /// Zero if the mesh has none.
+    normal: [f32; 3],
 }

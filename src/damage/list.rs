@@ -3,7 +3,6 @@
 use super::dent::Dent;
 use super::energy::{energy_factor, is_gone, strength_alone};
 use super::mark::Mark;
-use super::overlap::{change, dent_alone, overlap, settle};
 use crate::example::set::ExampleSet;
 use std::cmp::Ordering;
 use twox_hash::XxHash3_64;
@@ -38,41 +37,38 @@ impl Damage {
             return;
         }
         new.sort_unstable_by(|a, b| a.key().cmp(&b.key()).then(a.energy.cmp(&b.energy)));
-        let most = self.marks.len() + new.len();
-        let (mut marks, mut strengths) = (Vec::with_capacity(most), Vec::with_capacity(most));
-        marks.extend_from_slice(&self.marks);
-        strengths.extend(self.dents.iter().map(|d| d.alone));
-        let mut list = Merging { set, marks, strengths };
+        let mut marks = Vec::with_capacity(self.marks.len() + new.len());
+        marks.extend(self.marks.iter().copied().zip(self.dents.iter().map(|dent| dent.alone)));
+        let mut list = Merging { set, marks };
         for mark in new {
             list.add(mark);
             if list.marks.len() > capacity {
                 list.merge_weakest();
             }
         }
-        self.become_marks(set, list.marks);
+        self.become_marks(set, list.marks.into_iter().map(|(mark, _)| mark).collect());
     }
 
     /// Replaces the marks by others, sorted. Reuses the dents of those that stay.
     fn become_marks(&mut self, set: &ExampleSet, marks: Vec<Mark>) {
         let before = std::mem::take(self);
         let mut entries: Vec<Entry> = Vec::with_capacity(before.marks.len() + marks.len());
-        walk(&before.marks, &marks, |old, new| {
-            let energy = |marks: &[Mark], at: Option<usize>| at.map_or(0, |at| marks[at].energy);
-            let dent = match (old, new) {
-                (Some(old), _) => before.dents[old].clone(),
-                (None, new) => dent_alone(set, &marks[new.unwrap_or(0)]),
-            };
-            entries.push(Entry { dent, before: energy(&before.marks, old), after: energy(&marks, new) });
+        walk(&before.marks, &marks, |mark, old, new| {
+            entries.push(Entry {
+                dent: old.map_or_else(|| Dent::new(set, mark), |at| before.dents[at].clone()),
+                before: old.map_or(0, |at| before.marks[at].energy),
+                after: new.map_or(0, |at| marks[at].energy),
+            });
         });
         update_nearby(set, &mut entries);
         self.dents = entries.into_iter().filter(|e| e.after > 0).map(|e| e.dent).collect();
-        self.dents.iter_mut().zip(&marks).for_each(|(dent, mark)| settle(set, mark, dent));
+        self.dents.iter_mut().zip(&marks).for_each(|(dent, mark)| dent.settle(set, mark));
         self.marks = marks;
     }
 
-    /// Replaces all marks, which must be valid.
+    /// Replaces all marks by others, which must be valid.
     pub(crate) fn replace(&mut self, set: &ExampleSet, marks: Vec<Mark>, capacity: usize) {
-        self.clear();
+        *self = Damage::default();
         self.add(set, marks, capacity);
     }
 
@@ -88,41 +84,30 @@ impl Damage {
         self.become_marks(set, marks);
     }
 
-    pub(crate) fn clear(&mut self) {
-        self.marks.clear();
-        self.dents.clear();
-    }
-
     /// Calls `f` for every mark that is in this list or the other, in order, with how strongly each shows its dent.
     pub(crate) fn compare(&self, other: &Damage, mut f: impl FnMut(&Mark, f32, f32)) {
-        walk(&self.marks, &other.marks, |a, b| {
-            let strength = |list: &Damage, at: Option<usize>| at.map_or(0.0, |at| list.dents[at].strength);
-            if let Some(mark) = b.map(|b| other.marks[b]).or(a.map(|a| self.marks[a])) {
-                f(&mark, strength(self, a), strength(other, b));
-            }
-        });
+        let strength = |list: &Damage, at: Option<usize>| at.map_or(0.0, |at| list.dents[at].strength);
+        walk(&self.marks, &other.marks, |mark, a, b| f(mark, strength(self, a), strength(other, b)));
     }
 
     /// These dents, with other strengths for some of them, or others beside them. `others` are sorted by mark.
     pub(crate) fn shown_as(&self, set: &ExampleSet, others: &[(Mark, f32)]) -> Damage {
         let marks: Vec<Mark> = others.iter().map(|(mark, _)| *mark).collect();
         let mut all = Damage::default();
-        walk(&self.marks, &marks, |own, other| {
-            let mark = own.map_or_else(|| marks[other.unwrap_or(0)], |own| self.marks[own]);
+        walk(&marks, &self.marks, |mark, other, own| {
+            let strength = other.map(|at| others[at].1);
+            if strength == Some(0.0) {
+                return;
+            }
             let alone = || {
-                let mut dent = dent_alone(set, &mark);
-                settle(set, &mark, &mut dent);
+                let mut dent = Dent::new(set, mark);
+                dent.settle(set, mark);
                 dent
             };
             let mut dent = own.map_or_else(alone, |own| self.dents[own].clone());
-            if let Some(other) = other {
-                dent.strength = others[other].1;
-                if dent.strength == 0.0 {
-                    return;
-                }
-            }
-            all.marks.push(mark);
+            dent.strength = strength.unwrap_or(dent.strength);
             all.dents.push(dent);
+            all.marks.push(*mark);
         });
         all
     }
@@ -145,8 +130,8 @@ impl Entry {
     }
 }
 
-/// Calls `f` for every mark that is in either sorted list, in order, with its index in each.
-fn walk(a: &[Mark], b: &[Mark], mut f: impl FnMut(Option<usize>, Option<usize>)) {
+/// Calls `f` for every mark that is in either sorted list, in order, with its index in each. A mark in both is that of `b`.
+pub(crate) fn walk(a: &[Mark], b: &[Mark], mut f: impl FnMut(&Mark, Option<usize>, Option<usize>)) {
     let (mut i, mut j) = (0, 0);
     while i < a.len() || j < b.len() {
         let order = match (a.get(i), b.get(j)) {
@@ -154,7 +139,8 @@ fn walk(a: &[Mark], b: &[Mark], mut f: impl FnMut(Option<usize>, Option<usize>))
             (Some(_), None) => Ordering::Less,
             (None, _) => Ordering::Greater,
         };
-        f(order.is_le().then_some(i), order.is_ge().then_some(j));
+        let mark = if order.is_ge() { &b[j] } else { &a[i] };
+        f(mark, order.is_le().then_some(i), order.is_ge().then_some(j));
         i += usize::from(order.is_le());
         j += usize::from(order.is_ge());
     }
@@ -171,12 +157,12 @@ fn update_nearby(set: &ExampleSet, entries: &mut [Entry]) {
             if j == i || j < i && entries[j].has_changed() {
                 continue;
             }
-            let overlap = overlap(set, &entries[i].dent, &entries[j].dent);
+            let overlap = entries[i].dent.overlap(set, &entries[j].dent);
             if overlap > 0.0 {
                 let Ok([a, b]) = entries.get_disjoint_mut([i, j]) else { continue };
                 // A new dent knows nothing of the others yet.
-                change(&mut a.dent, &b.dent, overlap, if a.before > 0 { b.before } else { 0 }, b.after);
-                change(&mut b.dent, &a.dent, overlap, if b.before > 0 { a.before } else { 0 }, a.after);
+                a.dent.change(&b.dent, overlap, if a.before > 0 { b.before } else { 0 }, b.after);
+                b.dent.change(&a.dent, overlap, if b.before > 0 { a.before } else { 0 }, a.after);
             }
         }
     }
@@ -185,41 +171,37 @@ fn update_nearby(set: &ExampleSet, entries: &mut [Entry]) {
 /// The marks while new ones are added. Dents are made later, when it is known which marks stay.
 struct Merging<'a> {
     set: &'a ExampleSet,
-    marks: Vec<Mark>,
-    /// One per mark, as if it were alone.
-    strengths: Vec<f32>,
+    /// Each with the strength that it would have alone.
+    marks: Vec<(Mark, f32)>,
 }
 
 impl Merging<'_> {
     fn add(&mut self, mark: Mark) {
-        match self.marks.binary_search_by(|m| m.key().cmp(&mark.key())) {
+        match self.marks.binary_search_by(|(m, _)| m.key().cmp(&mark.key())) {
             Ok(at) => self.add_energy(at, mark.energy),
-            Err(at) => {
-                self.marks.insert(at, mark);
-                self.strengths.insert(at, strength_alone(mark.energy));
-            }
+            Err(at) => self.marks.insert(at, (mark, strength_alone(mark.energy))),
         }
     }
 
     fn add_energy(&mut self, at: usize, energy: u64) {
-        self.marks[at].energy = self.marks[at].energy.saturating_add(energy);
-        self.strengths[at] = strength_alone(self.marks[at].energy);
+        let (mark, strength) = &mut self.marks[at];
+        mark.energy = mark.energy.saturating_add(energy);
+        *strength = strength_alone(mark.energy);
     }
 
     fn merge_weakest(&mut self) {
-        let size = |i: usize| self.strengths[i] * self.marks[i].depth;
+        let size = |i: usize| self.marks[i].1 * self.marks[i].0.depth;
         let weakest = (0..self.marks.len()).fold(0, |best, i| if size(i) < size(best) { i } else { best });
+        let (gone, _) = self.marks.remove(weakest);
         let positions = self.set.mesh().positions();
-        let contact = |i: usize| positions[self.marks[i].contact as usize];
-        let from = contact(weakest);
-        let distance = |i: usize| (contact(i) - from).length_squared();
-        let others = (0..self.marks.len()).filter(|i| *i != weakest);
-        let Some(heir) = others.reduce(|best, i| if distance(i) < distance(best) { i } else { best }) else { return };
-        let ratio = f64::from(self.marks[weakest].depth) / f64::from(self.marks[heir].depth);
-        // `as` saturates, and u64 as f64 rounds to nearest. Both are the same on every platform.
-        let given = (self.marks[weakest].energy as f64 * energy_factor(ratio)) as u64;
-        self.add_energy(heir, given);
-        self.marks.remove(weakest);
-        self.strengths.remove(weakest);
+        let distance = |i: usize| {
+            (positions[self.marks[i].0.contact as usize] - positions[gone.contact as usize]).length_squared()
+        };
+        let heir = (0..self.marks.len()).reduce(|best, i| if distance(i) < distance(best) { i } else { best });
+        if let Some(heir) = heir {
+            let ratio = f64::from(gone.depth) / f64::from(self.marks[heir].0.depth);
+            // `as` saturates, and u64 as f64 rounds to nearest. Both are the same on every platform.
+            self.add_energy(heir, (gone.energy as f64 * energy_factor(ratio)) as u64);
+        }
     }
 }

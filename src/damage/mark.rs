@@ -1,5 +1,5 @@
 //! The mark: one stored hit. What it moves follows from the set ([`super::told`]), and how strongly from the marks near it
-//! ([`super::overlap`]).
+//! ([`super::dent`]).
 
 use crate::base::error::Error;
 use crate::example::rule::Key;
@@ -51,7 +51,12 @@ impl Mark {
         [self.contact, self.depth.to_bits(), numbers[0], numbers[1], numbers[2], numbers[3]]
     }
 
-    pub(crate) fn check(&self, set: &ExampleSet, at: usize) -> Result<(), Error> {
+    /// Checks that the set can have these marks.
+    pub(crate) fn check_all(marks: &[Mark], set: &ExampleSet) -> Result<(), Error> {
+        marks.iter().enumerate().try_for_each(|(at, mark)| mark.check(set, at))
+    }
+
+    fn check(&self, set: &ExampleSet, at: usize) -> Result<(), Error> {
         let bad = |name: &str, value: String, expected: String| {
             Err(Error::InvalidArgument { name: format!("{name} of mark {at}"), value, expected })
         };

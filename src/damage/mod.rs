@@ -5,6 +5,5 @@ pub(crate) mod dent;
 pub(crate) mod energy;
 pub(crate) mod list;
 pub(crate) mod mark;
-pub(crate) mod overlap;
 pub(crate) mod saved;
 pub(crate) mod told;

@@ -4,17 +4,8 @@ use super::energy::energy_root;
 use super::mark::Mark;
 use crate::example::rule::Predicted;
 use crate::example::set::ExampleSet;
-use crate::predict;
+use crate::predict::{self, Told};
 use glam::{DVec3, Vec3};
-
-/// A hit as a mark stores it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Told {
-    /// The unit direction of the contact's displacement. Its length is the mark's depth.
-    Displacement(Vec3),
-    /// A blow.
-    Strike(predict::Strike),
-}
 
 /// Units of a logarithm, and the least power of 2.
 const UNITS: f64 = 500.0;
@@ -23,7 +14,7 @@ const LEAST: f64 = -64.0;
 const MOST: u16 = 64000;
 
 impl Mark {
-    /// The mark of a hit. `normal` is the contact's, of length 1.
+    /// The mark of a hit, or of one that told a displacement in its direction. `normal` is the contact's, of length 1.
     pub(crate) fn new(contact: u32, depth: f32, told: &Told, normal: Vec3) -> Self {
         let mark = Mark { contact, depth, energy: Self::ONE, ..bytemuck::Zeroable::zeroed() };
         match told {
@@ -52,7 +43,7 @@ impl Mark {
         let direction = unfolded(self.direction);
         let normal = normal.unwrap_or(-direction.as_vec3());
         if self.told == 0 {
-            return (Told::Displacement(direction.as_vec3()), normal);
+            return (Told::Displacement(direction.as_vec3() * self.depth), normal);
         }
         let n = normal.as_dvec3();
         let into = (-direction.dot(n)).max(1e-3);
@@ -80,14 +71,10 @@ pub(crate) struct PredictedMark {
 pub(crate) fn predicted(set: &ExampleSet, mark: &Mark) -> PredictedMark {
     let (told, normal) = mark.hit(set.mesh().contact_normal(mark.contact));
     let mut key = mark.key();
-    let told = match told {
-        Told::Displacement(direction) => predict::Told::Displacement(direction * mark.depth),
-        Told::Strike(strike) => {
-            // The depth follows from the blow.
-            key[1] = 0;
-            predict::Told::Strike(strike)
-        }
-    };
+    if mark.told == 1 {
+        // The depth follows from the blow.
+        key[1] = 0;
+    }
     let hit = predict::Hit { contact: set.mesh().positions()[mark.contact as usize], normal, told };
     let predicted = set.rule().predict(key, &hit);
     let moved = predicted.field.at_vertex(&set.base_lod().rows, mark.contact);

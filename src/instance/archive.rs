@@ -54,12 +54,8 @@ pub(crate) fn unpack(bytes: &[u8], count: usize) -> Result<Vec<&[u8]>, Error> {
     take_apart(bytes, Some(count))
 }
 
-/// Takes the saved damage of any number of instances apart.
-pub(crate) fn unpack_all(bytes: &[u8]) -> Result<Vec<&[u8]>, Error> {
-    take_apart(bytes, None)
-}
-
-fn take_apart(bytes: &[u8], count: Option<usize>) -> Result<Vec<&[u8]>, Error> {
+/// Takes the saved damage of so many instances apart. `None`: of any number.
+pub(super) fn take_apart(bytes: &[u8], count: Option<usize>) -> Result<Vec<&[u8]>, Error> {
     let bad = |what: String| Error::DamageMismatch { what };
     let short = || bad(format!("{} bytes, cut short", bytes.len()));
     let (header, _) = bytes.split_first_chunk::<HEADER>().ok_or_else(short)?;

@@ -18,10 +18,17 @@ use glam::DVec3;
 use std::collections::VecDeque;
 use std::num::NonZeroU64;
 
+/// An event of a contact: a part, or its end.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ContactEvent {
+    pub id: NonZeroU64,
+    /// `None` ends the contact.
+    pub part: Option<ContactPart>,
+}
+
 /// One hit's part of a contact, in the mesh's space.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ContactPart {
-    pub id: NonZeroU64,
     pub point: DVec3,
     pub push: Push,
 }
@@ -48,28 +55,20 @@ impl ContactPart {
     }
 }
 
-/// An event of a contact.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum ContactEvent {
-    Part(ContactPart),
-    End(NonZeroU64),
-}
-
-impl ContactEvent {
-    fn id(&self) -> NonZeroU64 {
-        match self {
-            ContactEvent::Part(part) => part.id,
-            ContactEvent::End(id) => *id,
-        }
-    }
-}
-
 /// The state of one open contact.
 #[derive(Debug, Clone)]
 struct OpenContact {
     id: NonZeroU64,
     /// The number of the fold that brought its last hit.
     last_fold: u64,
+    sum: Sum,
+    /// The effect of the sum of its hits; `None` if it is too weak.
+    outcome: Option<Outcome>,
+}
+
+/// The hits of a contact together.
+#[derive(Debug, Clone, Default)]
+struct Sum {
     /// Sum of the targets, m.
     target: DVec3,
     /// Sum of the points times the lengths of their targets or impulses, and sum of these lengths.
@@ -83,31 +82,15 @@ struct OpenContact {
     normal: DVec3,
     /// The blows together, without their impulses and normals. `None` if there is none.
     blow: Option<Blow>,
-    /// The effect of the sum of its hits; `None` if it is too weak.
-    outcome: Option<Outcome>,
 }
 
 impl OpenContact {
-    fn new(id: NonZeroU64) -> Self {
-        let zero = DVec3::ZERO;
-        OpenContact {
-            id,
-            last_fold: 0,
-            target: zero,
-            point: zero,
-            weight: 0.0,
-            impulse: zero,
-            displaced: false,
-            normal: zero,
-            blow: None,
-            outcome: None,
-        }
-    }
-
     fn mark(&self) -> Option<Mark> {
         self.outcome.and_then(|outcome| outcome.mark)
     }
+}
 
+impl Sum {
     fn add(&mut self, part: &ContactPart) {
         let double = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
         let length = match part.push {
@@ -149,13 +132,13 @@ impl OpenContact {
             let normal = blow.normal.and_then(|_| self.normal.try_normalize()).map(to_f32);
             let whole = Blow { impulse: blow.impulse.map(|_| to_f32(self.impulse)), normal, ..blow };
             let whole = Hit::blow(point, whole);
-            let (outcome, _) = select(set, Rule::Marks, &params, &whole).ok()?;
+            let outcome = select(set, Rule::Marks, &params, &whole).ok()?;
             if !self.displaced {
                 return Some(outcome);
             }
             target += DVec3::from_array(outcome.target.map(f64::from));
         }
-        select(set, Rule::Marks, &params, &Hit::displacement(point, to_f32(target))).ok().map(|(outcome, _)| outcome)
+        select(set, Rule::Marks, &params, &Hit::displacement(point, to_f32(target))).ok()
     }
 }
 
@@ -182,14 +165,6 @@ fn together(a: &Blow, b: &Blow) -> Blow {
             shape: a.striker.shape.max(b.striker.shape),
         },
     }
-}
-
-/// Hits that arrived since the last fold.
-#[derive(Default)]
-pub(crate) struct NewHits {
-    pub marks: Vec<Mark>,
-    /// In order of arrival.
-    pub contacts: Vec<ContactEvent>,
 }
 
 /// The open contacts of one instance.
@@ -250,19 +225,19 @@ impl Contacts {
         }
     }
 
-    /// Updates `damage`, which holds the settled marks and those of open contacts.
+    /// Updates `damage`, which holds the settled marks and those of open contacts, by new marks and events. Events are in order of
+    /// arrival.
     pub(crate) fn fold(
         &mut self,
         set: &ExampleSet,
         params: &HitParams,
         capacity: usize,
-        new: NewHits,
+        (mut marks, events): (Vec<Mark>, Vec<ContactEvent>),
         damage: &mut Damage,
     ) {
         let shown = std::mem::take(damage);
         let mut settled = if self.open.is_empty() { shown } else { std::mem::take(&mut self.settled) };
-        let mut marks = new.marks;
-        self.apply(new.contacts, set, params, &mut marks);
+        self.apply(events, set, params, &mut marks);
         while self.open.len() > Self::MAX {
             let stalest = (0..self.open.len()).min_by_key(|i| (self.open[*i].last_fold, self.open[*i].id));
             marks.extend(stalest.and_then(|i| self.end(i)));
@@ -285,14 +260,14 @@ impl Contacts {
     fn apply(&mut self, mut events: Vec<ContactEvent>, set: &ExampleSet, params: &HitParams, ended: &mut Vec<Mark>) {
         self.folds += 1;
         // The sort is stable, so events of one id stay in order of arrival.
-        events.sort_by_key(ContactEvent::id);
+        events.sort_by_key(|event| event.id);
         let mut parts = Vec::new();
-        for of_one in events.chunk_by(|a, b| a.id() == b.id()) {
-            let id = of_one[0].id();
+        for of_one in events.chunk_by(|a, b| a.id == b.id) {
+            let id = of_one[0].id;
             for event in of_one {
-                match event {
-                    ContactEvent::Part(part) => parts.push(*part),
-                    ContactEvent::End(_) => {
+                match event.part {
+                    Some(part) => parts.push(part),
+                    None => {
                         self.add_parts(id, &mut parts, set, params);
                         if let Ok(at) = self.open.binary_search_by_key(&id, |o| o.id) {
                             ended.extend(self.end(at));
@@ -311,12 +286,12 @@ impl Contacts {
         }
         parts.sort_unstable_by_key(ContactPart::key);
         let at = self.open.binary_search_by_key(&id, |o| o.id).unwrap_or_else(|at| {
-            self.open.insert(at, OpenContact::new(id));
+            self.open.insert(at, OpenContact { id, last_fold: 0, sum: Sum::default(), outcome: None });
             at
         });
         let open = &mut self.open[at];
-        parts.drain(..).for_each(|p| open.add(&p));
+        parts.drain(..).for_each(|p| open.sum.add(&p));
         open.last_fold = self.folds;
-        open.outcome = open.select(set, params);
+        open.outcome = open.sum.select(set, params);
     }
 }

@@ -24,7 +24,7 @@ pub struct DeformJob<'a, 'm> {
 /// Turns the hits that have arrived at these instances into damage, several instances at a time: the same as [`Instance::fold`] of
 /// each.
 pub fn fold_all<'a>(instances: impl IntoIterator<Item = &'a mut Instance>, tasks: &dyn TaskSystem) {
-    let mut waiting = instances.into_iter().filter(|instance| instance.has_hits());
+    let mut waiting = instances.into_iter().filter(|instance| !instance.inbox.queue().pending.is_empty());
     let Some(first) = waiting.next() else { return };
     match waiting.next() {
         Some(second) => drop(map(tasks, [first, second].into_iter().chain(waiting), Instance::fold)),

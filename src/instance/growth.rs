@@ -61,14 +61,11 @@ impl Growth {
             }
         });
         while self.growing.len() > Self::MAX {
-            let first = (0..self.growing.len()).reduce(|a, b| if self.began(b) < self.began(a) { b } else { a });
+            let began = |at: usize| self.growing[at].began;
+            let first = (0..self.growing.len()).reduce(|a, b| if began(b) < began(a) { b } else { a });
             first.map(|at| self.growing.remove(at));
         }
         self.show(set, damage);
-    }
-
-    fn began(&self, at: usize) -> f64 {
-        self.growing[at].began
     }
 
     /// Sets the time, s.

@@ -2,7 +2,7 @@
 
 use super::contacts::{ContactEvent, ContactPart, Contacts, Push};
 use super::options::{Rule, needs_marks};
-use super::selection::{Effect, select};
+use super::selection::select;
 use crate::base::error::Error;
 use crate::base::sync::{Mutex, MutexGuard, RwLock, RwLockReadGuard, RwLockWriteGuard};
 use crate::damage::mark::Mark;
@@ -43,10 +43,8 @@ impl Queue {
     }
 
     fn note(&mut self, pending: &Pending) {
-        match pending {
-            Pending::Contact(ContactEvent::Part(part)) => _ = self.begun.insert(part.id),
-            Pending::Contact(ContactEvent::End(id)) => _ = self.begun.remove(id),
-            Pending::Mark(_) | Pending::Classic(..) => {}
+        if let Pending::Contact(event) = pending {
+            _ = if event.part.is_some() { self.begun.insert(event.id) } else { self.begun.remove(&event.id) };
         }
     }
 
@@ -116,32 +114,25 @@ impl Inbox {
     /// Selects examples for a hit without queuing it.
     pub(crate) fn prepare(&self, hit: &Hit) -> Result<(Outcome, Option<Pending>), Error> {
         let params = self.params();
-        let (mut outcome, effect) = self.select(&params, hit)?;
-        let pending = match (hit.contact, effect) {
-            (Some(id), _) => {
-                if !matches!(outcome.status, HitStatus::Marked | HitStatus::Rigid) {
-                    outcome.status = HitStatus::Accumulated;
-                }
-                let point = params.local(hit.point, hit.space);
-                let length = |j: [f32; 3]| DVec3::from_array(j.map(f64::from)).length().min(f32::MAX.into()) as f32;
-                let push = match hit.cause {
-                    Cause::Displacement(_) => Push::Target { target: outcome.target, impulse: None },
-                    Cause::Impulse { blow, .. } if self.set.predicts_blows() => {
-                        Push::Blow(params.local_blow(&blow, hit.space))
-                    }
-                    Cause::Impulse { blow, .. } => {
-                        Push::Target { target: outcome.target, impulse: blow.total_impulse().map(length) }
-                    }
-                };
-                Pending::Contact(ContactEvent::Part(ContactPart { id, point, push }))
-            }
-            (None, Effect::None) => return Ok((outcome, None)),
-            (None, Effect::Mark(m)) => Pending::Mark(m),
-            (None, Effect::Classic { example, weight }) => {
-                Pending::Classic(outcome.contact_vertex, example, weight.to_bits())
+        let mut outcome = self.select(&params, hit)?;
+        let Some(id) = hit.contact else {
+            let classic =
+                outcome.classic.map(|c| Pending::Classic(outcome.contact_vertex, c.example, c.weight.to_bits()));
+            return Ok((outcome, outcome.mark.map(Pending::Mark).or(classic)));
+        };
+        if !matches!(outcome.status, HitStatus::Marked | HitStatus::Rigid) {
+            outcome.status = HitStatus::Accumulated;
+        }
+        let length = |j: [f32; 3]| DVec3::from_array(j.map(f64::from)).length().min(f32::MAX.into()) as f32;
+        let push = match hit.cause {
+            Cause::Displacement(_) => Push::Target { target: outcome.target, impulse: None },
+            Cause::Impulse { blow, .. } if self.set.predicts_blows() => Push::Blow(params.local_blow(&blow, hit.space)),
+            Cause::Impulse { blow, .. } => {
+                Push::Target { target: outcome.target, impulse: blow.total_impulse().map(length) }
             }
         };
-        Ok((outcome, Some(pending)))
+        let part = Some(ContactPart { point: params.local(hit.point, hit.space), push });
+        Ok((outcome, Some(Pending::Contact(ContactEvent { id, part }))))
     }
 
     /// Queues what was prepared. No part may come off or on between the two.
@@ -161,7 +152,7 @@ impl Inbox {
     /// classic rule; [`Error::OutOfMemory`].
     pub fn end_contact(&self, id: NonZeroU64) -> Result<(), Error> {
         self.contacts_allowed("end_contact")?;
-        self.push(Pending::Contact(ContactEvent::End(id)), &self.followers())
+        self.push(Pending::Contact(ContactEvent { id, part: None }), &self.followers())
     }
 
     /// Returns what [`Inbox::submit`] would return for the hit alone, without queuing it.
@@ -169,7 +160,7 @@ impl Inbox {
     /// # Errors
     /// Those of [`Inbox::submit`].
     pub fn preview(&self, hit: &Hit) -> Result<Outcome, Error> {
-        Ok(self.select(&self.params(), hit)?.0)
+        self.select(&self.params(), hit)
     }
 
     /// Sets the transform from mesh to world space. Hits in [`crate::Space::World`] are transformed by its inverse. Any
@@ -216,7 +207,7 @@ impl Inbox {
         (params.world_to_local, params.local_origin_in_world)
     }
 
-    fn select(&self, params: &HitParams, hit: &Hit) -> Result<(Outcome, Effect), Error> {
+    fn select(&self, params: &HitParams, hit: &Hit) -> Result<Outcome, Error> {
         if hit.contact.is_some() {
             self.contacts_allowed("a hit with a contact id")?;
         }
@@ -237,7 +228,7 @@ impl Inbox {
 
     fn push(&self, pending: Pending, followers: &[Weak<Inbox>]) -> Result<(), Error> {
         let mut queue = self.queue();
-        if let Pending::Contact(ContactEvent::End(id)) = pending
+        if let Pending::Contact(ContactEvent { id, part: None }) = pending
             && !queue.begun.contains(&id)
         {
             return Err(Error::UnknownContact { id: id.get() });

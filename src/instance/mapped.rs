@@ -1,6 +1,6 @@
 //! Damage that was saved with one revision of an example set, for another revision.
 
-use super::archive::{are_many, of, pack, unpack_all};
+use super::archive::{are_many, of, pack, take_apart};
 use crate::base::error::{Error, reserve};
 use crate::damage::mark::Mark;
 use crate::damage::saved;
@@ -45,7 +45,7 @@ pub fn map_damage(
     }
     let mut mapper = Mapper { from, to, max_distance, mapping: Mapping::default() };
     let out = if are_many(bytes) {
-        let each = unpack_all(bytes)?.into_iter().enumerate().map(|(at, one)| {
+        let each = take_apart(bytes, None)?.into_iter().enumerate().map(|(at, one)| {
             let stays = !saved::belongs_to(from, one);
             if stays { Ok(one.to_vec()) } else { mapper.one(one).map_err(|error| of(at, error)) }
         });
@@ -66,18 +66,13 @@ struct Mapper<'a> {
 impl Mapper<'_> {
     /// Maps the saved damage of one instance.
     fn one(&mut self, bytes: &[u8]) -> Result<Vec<u8>, Error> {
-        let entries = saved::entries(self.from, bytes, saved::MARKS, size_of::<Mark>())?;
-        let mut marks: Vec<Mark> = reserve(entries.len() / size_of::<Mark>(), "marks")?;
-        for (i, bytes) in entries.chunks_exact(size_of::<Mark>()).enumerate() {
-            let mark = saved::read_mark(bytes);
-            mark.check(self.from, i)?;
+        let before = saved::marks(self.from, bytes)?;
+        let mut marks: Vec<Mark> = reserve(before.len(), "marks")?;
+        for mark in before {
             marks.extend(self.mark(mark)?);
         }
         marks.sort_by_key(Mark::key);
-        let mut out = saved::header(self.to, saved::MARKS, marks.len());
-        marks.iter().for_each(|mark| saved::write_mark(mark, &mut out));
-        saved::seal(&mut out);
-        Ok(out)
+        Ok(saved::of_marks(self.to, &marks))
     }
 
     fn mark(&mut self, mark: Mark) -> Result<Option<Mark>, Error> {

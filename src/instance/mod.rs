@@ -8,14 +8,13 @@ mod growth;
 pub(crate) mod inbox;
 pub(crate) mod mapped;
 pub(crate) mod options;
-mod part_state;
 pub(crate) mod parts;
 #[cfg(test)]
 pub(crate) mod schedules;
 mod selection;
 
 use crate::base::error::{Error, at_least_zero, positive, reserve};
-use crate::classic::{Blend, ClassicState};
+use crate::classic::ClassicState;
 use crate::damage::changes::Changes;
 use crate::damage::list::Damage;
 use crate::damage::mark::Mark;
@@ -26,12 +25,11 @@ use crate::example::set::ExampleSet;
 use crate::mesh::finite;
 use crate::select::hit::{Hit, Outcome};
 use crate::select::target::HitParams;
-use contacts::{Contacts, NewHits};
+use contacts::Contacts;
 use glam::{DMat3, DVec3, Mat4};
 use growth::Growth;
 use inbox::{Inbox, Pending};
 use options::{InstanceOptions, Rule, check_limit, needs_marks};
-use part_state::PartState;
 use std::num::NonZeroU64;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -77,6 +75,17 @@ enum ShapeState {
     /// The displacements of the set's nodes, which follow from the damage.
     Nodes(NodeState),
     Classic(ClassicState),
+}
+
+/// What an instance knows of the parts of its body. Bit `n` stands for the set's mesh `n`.
+#[derive(Debug, Clone, Copy, Default)]
+struct PartState {
+    /// The part that this instance is; 0: the whole body.
+    of: usize,
+    /// Parts that are not on the body.
+    released: u64,
+    /// Parts that hits do not dent.
+    rigid: u64,
 }
 
 /// The nodes of an undamaged instance.
@@ -260,11 +269,6 @@ impl Instance {
         }
     }
 
-    /// Whether a fold would change anything.
-    pub(crate) fn has_hits(&self) -> bool {
-        !self.inbox.queue().pending.is_empty()
-    }
-
     /// Turns the hits that have arrived into damage. The result does not depend on the order or the threads in which
     /// they were submitted. Methods that take `&mut self` and read the damage do this first.
     pub fn fold(&mut self) {
@@ -273,13 +277,12 @@ impl Instance {
             return;
         }
         let constant = self.blend_constant();
-        let mut new = NewHits::default();
-        let mut classic = Vec::new();
+        let (mut marks, mut classic, mut events) = (Vec::new(), Vec::new(), Vec::new());
         for p in pending {
             match p {
-                Pending::Mark(m) => new.marks.push(m),
+                Pending::Mark(m) => marks.push(m),
                 Pending::Classic(contact, example, weight) => classic.push((contact, example, weight)),
-                Pending::Contact(event) => new.contacts.push(event),
+                Pending::Contact(event) => events.push(event),
             }
         }
         if let ShapeState::Classic(state) = &mut self.shape {
@@ -287,20 +290,27 @@ impl Instance {
             self.changes.epoch += 1;
             for (_, example, weight) in classic {
                 let weight = f32::from_bits(weight);
-                state.apply(&self.set, example, weight, Blend { constant });
+                state.apply(&self.set, example, weight, constant);
                 state.note(self.changes.epoch, example, weight);
                 self.changes.example(&self.set, example as usize);
             }
             return;
         }
         let capacity = self.options.capacity as usize;
+        self.change(|instance| {
+            let (set, damage) = (&instance.set, &mut instance.damage);
+            if instance.contacts.len() > 0 || !events.is_empty() {
+                instance.contacts.fold(set, &instance.inbox.params(), capacity, (marks, events), damage);
+            } else {
+                damage.add(set, marks, capacity);
+            }
+        });
+    }
+
+    /// Changes the damage. Dents go from where they are shown to where it puts them.
+    fn change(&mut self, change: impl FnOnce(&mut Self)) {
         let before = self.growth.is_on().then(|| self.damage.clone());
-        if self.contacts.len() > 0 || !new.contacts.is_empty() {
-            let params = self.inbox.params();
-            self.contacts.fold(&self.set, &params, capacity, new, &mut self.damage);
-        } else {
-            self.damage.add(&self.set, new.marks, capacity);
-        }
+        change(self);
         if let Some(before) = before {
             self.growth.begin(&self.set, before, &self.damage);
         }
@@ -325,17 +335,11 @@ impl Instance {
     /// changed.
     pub fn set_marks(&mut self, marks: &[Mark]) -> Result<(), Error> {
         self.only_marks("set_marks")?;
-        let marks = self.checked(marks)?;
-        self.become_saved(Saved::Marks(marks));
-        Ok(())
-    }
-
-    /// A copy of marks that the set can have.
-    fn checked(&self, marks: &[Mark]) -> Result<Vec<Mark>, Error> {
-        marks.iter().enumerate().try_for_each(|(i, m)| m.check(&self.set, i))?;
+        Mark::check_all(marks, &self.set)?;
         let mut copy = reserve(marks.len(), "marks")?;
         copy.extend_from_slice(marks);
-        Ok(copy)
+        self.become_saved(Saved::Marks(copy));
+        Ok(())
     }
 
     /// Returns a number for the marks, after folding the hits that have arrived. Equal marks have equal revisions, on
@@ -352,12 +356,7 @@ impl Instance {
         self.fold();
         match &self.shape {
             ShapeState::Classic(state) => state.save(&self.set),
-            ShapeState::Nodes(_) => {
-                let mut out = saved::header(&self.set, saved::MARKS, self.damage.marks().len());
-                self.damage.marks().iter().for_each(|m| saved::write_mark(m, &mut out));
-                saved::seal(&mut out);
-                out
-            }
+            ShapeState::Nodes(_) => saved::of_marks(&self.set, self.damage.marks()),
         }
     }
 
@@ -377,9 +376,7 @@ impl Instance {
         if self.classic_state().is_some() {
             return Ok(Saved::Classic(ClassicState::load(&self.set, bytes)?));
         }
-        let entries = saved::entries(&self.set, bytes, saved::MARKS, size_of::<Mark>())?;
-        let marks: Vec<Mark> = entries.chunks_exact(size_of::<Mark>()).map(saved::read_mark).collect();
-        Ok(Saved::Marks(self.checked(&marks)?))
+        Ok(Saved::Marks(saved::marks(&self.set, bytes)?))
     }
 
     /// Replaces the damage. Discards hits that have not been folded yet, and ends all contacts.
@@ -391,15 +388,16 @@ impl Instance {
             Saved::Marks(marks) => self.damage.replace(&self.set, marks, self.options.capacity as usize),
             Saved::Classic(state) => {
                 self.shape = ShapeState::Classic(state);
-                self.classic_replaced();
+                self.replace_classic(|_, _| ());
             }
         }
         self.show();
     }
 
-    /// Marks everything as changed after another change of a classic rule's state than a hit.
-    fn classic_replaced(&mut self) {
+    /// Changes a classic rule's state otherwise than by a hit, and marks everything as changed.
+    fn replace_classic(&mut self, change: impl FnOnce(&mut ClassicState, &ExampleSet)) {
         if let ShapeState::Classic(state) = &mut self.shape {
+            change(state, &self.set);
             self.changes.everything();
             state.replaced(self.changes.epoch);
         }
@@ -411,14 +409,9 @@ impl Instance {
     /// # Errors
     /// [`Error::InvalidArgument`].
     pub fn repair(&mut self, keep: f32) -> Result<(), Error> {
-        if !(0.0..=1.0).contains(&keep) {
-            return Err(Error::invalid("keep", keep, "0 (as new) to 1 (nothing repaired)"));
-        }
+        check_keep(keep)?;
         self.scale(|_| keep.into());
-        if let ShapeState::Classic(state) = &mut self.shape {
-            state.scale(&self.set, keep);
-            self.classic_replaced();
-        }
+        self.replace_classic(|state, set| state.scale(set, keep));
         Ok(())
     }
 
@@ -432,9 +425,7 @@ impl Instance {
         self.only_marks("repair_around")?;
         let point = finite(point, || "point".into())?.as_dvec3();
         positive("radius", radius, "m")?;
-        if !(0.0..=1.0).contains(&keep) {
-            return Err(Error::invalid("keep", keep, "0 (as new) to 1 (nothing repaired)"));
-        }
+        check_keep(keep)?;
         let set = self.set.clone();
         self.scale(|mark| {
             let contact = set.mesh().positions()[mark.contact as usize].as_dvec3();
@@ -448,12 +439,7 @@ impl Instance {
     fn scale(&mut self, keep: impl Fn(&Mark) -> f64) {
         self.fold();
         self.contacts.close_all();
-        let before = self.growth.is_on().then(|| self.damage.clone());
-        self.damage.scale(&self.set, keep);
-        if let Some(before) = before {
-            self.growth.begin(&self.set, before, &self.damage);
-        }
-        self.show();
+        self.change(|instance| instance.damage.scale(&instance.set, keep));
     }
 
     /// Sets the time, s, for the options' [`grow_time`](InstanceOptions::grow_time). A dent that appears, changes or is
@@ -476,15 +462,8 @@ impl Instance {
 
     /// Removes all damage. Discards hits that have not been folded yet, and ends all contacts.
     pub fn reset(&mut self) {
-        self.contacts.close_all();
-        self.inbox.queue().pending.clear();
-        self.growth.finish();
-        self.damage.clear();
-        if let ShapeState::Classic(state) = &mut self.shape {
-            state.scale(&self.set, 0.0);
-            self.classic_replaced();
-        }
-        self.show();
+        self.become_saved(Saved::Marks(Vec::new()));
+        self.replace_classic(|state, set| state.scale(set, 0.0));
     }
 
     /// Copies the damage of another instance with the same set and the same kind of rule.
@@ -526,6 +505,11 @@ impl Instance {
     pub(crate) fn needs_marks(&self, call: &str) -> Error {
         needs_marks(call, self.options.rule)
     }
+}
+
+fn check_keep(keep: f32) -> Result<(), Error> {
+    let right = (0.0..=1.0).contains(&keep);
+    if right { Ok(()) } else { Err(Error::invalid("keep", keep, "0 (as new) to 1 (nothing repaired)")) }
 }
 
 /// Damage that was read and checked.

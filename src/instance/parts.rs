@@ -6,20 +6,17 @@
 //! has no further vertices there, as it has on a seam between parts. Hits land on vertices that are not the own ones of
 //! what is off, taken together.
 
-use super::Instance;
 use super::inbox::Inbox;
 use super::options::{InstanceOptions, Rule};
-use super::part_state::PartState;
+use super::{Instance, PartState};
 use crate::base::error::Error;
-use crate::base::tasks::Serial;
 use crate::damage::energy::depth_of_one;
 use crate::damage::mark::Mark;
 use crate::deform::evaluate::{BlockJob, Scratch, block};
-use crate::deform::nodes::NodeState;
 use crate::deform::view::Shape;
 use crate::example::set::ExampleSet;
 use crate::mesh::vertex_blocks::{BLOCK, block_range};
-use crate::select::landing::Landing;
+use crate::select::target::Landing;
 use glam::Vec3;
 use std::collections::HashMap;
 use std::sync::{Arc, Weak};
@@ -53,8 +50,7 @@ impl Instance {
         }
         let parts = PartState { released: self.parts.released | 1 << part, ..self.parts };
         let landing = self.landing(&parts)?;
-        let alone = Landing::new(&self.set, |v| known.is_in[v], |_| false, &Serial);
-        let alone = alone.ok_or_else(|| nothing_in_common(part))?;
+        let alone = known.landing(&self.set, part)?;
         let options = InstanceOptions { depth_limit: Some(self.limit), ..self.options };
         let mut released = Instance::new(self.set.clone(), options)?;
         let inbox = self.inbox.clone();
@@ -67,7 +63,7 @@ impl Instance {
         let own = self.inbox.params();
         let mut params = released.inbox.params_mut();
         (params.world_to_local, params.local_origin_in_world) = (own.world_to_local, own.local_origin_in_world);
-        params.landing = Some(Arc::new(alone));
+        params.landing = Some(alone);
         drop(params);
         self.parts = parts;
         self.set_landing(landing, &mut followers);
@@ -107,15 +103,13 @@ impl Instance {
         }
         let parts = PartState { released: self.parts.released | 1 << of, ..self.parts };
         let landing = self.landing(&parts)?;
-        let known = self.part(of, "unmount")?;
-        let alone = Landing::new(&self.set, |v| known.is_in[v], |_| false, &Serial);
-        let alone = alone.ok_or_else(|| nothing_in_common(of))?;
+        let alone = self.part(of, "unmount")?.landing(&self.set, of)?;
         let inbox = self.inbox.clone();
         let mut followers = inbox.followers_mut();
         self.fold();
         part.fold();
         followers.retain(|inbox| !is_part(inbox));
-        part.inbox.params_mut().landing = Some(Arc::new(alone));
+        part.inbox.params_mut().landing = Some(alone);
         self.parts = parts;
         self.set_landing(landing, &mut followers);
         Ok(())
@@ -151,7 +145,11 @@ impl Instance {
             self.only_marks("measure of another mesh than 0")?;
         }
         // Where dents grow, what is shown is not the damage.
-        let complete = self.growth.is_growing().then(|| self.nodes_of_damage());
+        let complete = self.growth.is_growing().then(|| {
+            let mut nodes = super::new_nodes(&self.set, &self.options);
+            nodes.show(&self.damage, self.limit, |_| ());
+            nodes
+        });
         let mut view = self.view();
         if let Some(nodes) = &complete {
             view.shape = Shape::Nodes(nodes.view());
@@ -182,13 +180,6 @@ impl Instance {
             mean: (sum / mesh.vertex_count().max(1) as f64) as f32,
             energy: depth_of_one(on_mesh),
         })
-    }
-
-    /// The nodes with all dents as their marks are.
-    fn nodes_of_damage(&self) -> NodeState {
-        let mut nodes = super::new_nodes(&self.set, &self.options);
-        nodes.show(&self.damage, self.limit, |_| ());
-        nodes
     }
 
     /// Checks the number of a part and finds its vertices.
@@ -223,7 +214,7 @@ impl Instance {
         }
         let off = Known::new(&self.set, parts.released)?.is_own;
         let rigid = Known::new(&self.set, parts.rigid)?.is_own;
-        let landing = Landing::new(&self.set, |v| !off[v], |v| rigid[v], &Serial);
+        let landing = Landing::new(&self.set, |v| !off[v], |v| rigid[v]);
         let landing = landing.ok_or_else(|| Error::invalid("part", "the last one", "one of several on the body"))?;
         Ok(Some(Arc::new(landing)))
     }
@@ -267,6 +258,12 @@ impl Known {
             is_in: base.iter().map(|p| of(p).is_some()).collect(),
             is_own: base.iter().map(|p| of(p).is_some_and(|(in_parts, in_base)| in_base <= in_parts)).collect(),
         })
+    }
+
+    /// Where hits on the part alone land.
+    fn landing(&self, set: &ExampleSet, part: usize) -> Result<Arc<Landing>, Error> {
+        let landing = Landing::new(set, |v| self.is_in[v], |_| false);
+        landing.map(Arc::new).ok_or_else(|| nothing_in_common(part))
     }
 }
 

@@ -2,38 +2,38 @@
 
 use super::options::Rule;
 use crate::base::error::Error;
-use crate::classic::select::select_by_cosine;
+use crate::classic::select_by_cosine;
 use crate::damage::mark::Mark;
-use crate::damage::told::{Told, predicted};
+use crate::damage::told::predicted;
 use crate::example::set::ExampleSet;
-use crate::select::hit::{Chosen, Hit, HitStatus, Outcome, Selection};
+use crate::predict::Told;
+use crate::select::hit::{Hit, HitStatus, Outcome, Selection};
 use crate::select::target::{HitParams, HitTarget, resolve};
+use glam::Vec3;
 
-/// What a hit leaves on the instance.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum Effect {
-    None,
-    Mark(Mark),
-    /// The classic rules: blends towards the example by the weight.
-    Classic {
-        example: u32,
-        weight: f32,
-    },
-}
-
-/// Turns a hit into its outcome and its effect.
-pub(crate) fn select(set: &ExampleSet, rule: Rule, params: &HitParams, hit: &Hit) -> Result<(Outcome, Effect), Error> {
+/// Turns a hit into its outcome, which has what it leaves.
+pub(crate) fn select(set: &ExampleSet, rule: Rule, params: &HitParams, hit: &Hit) -> Result<Outcome, Error> {
     let (mut outcome, target) = resolve(set, params, hit)?;
-    let Some(target) = target else { return Ok((outcome, Effect::None)) };
-    let effect = match rule {
-        Rule::Marks => predict(set, &target, &mut outcome).map(Effect::Mark),
-        Rule::MostDisplaced | Rule::Blend(_) => classic(set, &target, params.selection, &mut outcome),
+    let Some(target) = target else { return Ok(outcome) };
+    let moved = match rule {
+        Rule::Marks => predict(set, &target, &mut outcome),
+        Rule::MostDisplaced | Rule::Blend(_) => {
+            let chosen = select_by_cosine(set, &target, params.selection == Selection::Classic);
+            chosen.map(|(chosen, delta)| {
+                outcome.classic = Some(chosen);
+                delta * chosen.weight
+            })
+        }
     };
-    Ok((outcome, effect.unwrap_or(Effect::None)))
+    if let Some(moved) = moved {
+        outcome.achieved = (moved * set.mesh().limits().factor(target.contact, moved)).to_array();
+        outcome.status = HitStatus::Marked;
+    }
+    Ok(outcome)
 }
 
-/// The mark of a hit.
-fn predict(set: &ExampleSet, target: &HitTarget, out: &mut Outcome) -> Option<Mark> {
+/// Makes the mark of a hit. Returns how far it moves the contact, m; `None` if it leaves nothing.
+fn predict(set: &ExampleSet, target: &HitTarget, out: &mut Outcome) -> Option<Vec3> {
     let mark = Mark::new(target.contact, target.size, &target.told, target.normal);
     let found = predicted(set, &mark);
     let moved = found.moved * found.scale;
@@ -45,18 +45,6 @@ fn predict(set: &ExampleSet, target: &HitTarget, out: &mut Outcome) -> Option<Ma
     if nothing {
         return None;
     }
-    out.achieved = (moved * set.mesh().limits().factor(mark.contact, moved)).to_array();
-    out.status = HitStatus::Marked;
     (out.mark, out.expected_error) = (Some(mark), Some(found.predicted.expected_error));
-    Some(mark)
-}
-
-fn classic(set: &ExampleSet, target: &HitTarget, selection: Selection, out: &mut Outcome) -> Option<Effect> {
-    let chosen = select_by_cosine(set, target, selection == Selection::Classic)?;
-    let (example, weight) = (chosen.example, chosen.weight);
-    out.classic = Some(Chosen { example, weight });
-    let moved = chosen.delta * weight;
-    out.achieved = (moved * set.mesh().limits().factor(target.contact, moved)).to_array();
-    out.status = HitStatus::Marked;
-    Some(Effect::Classic { example, weight })
+    Some(moved)
 }

@@ -4,5 +4,4 @@
 //! platform.
 
 pub(crate) mod hit;
-pub(crate) mod landing;
 pub(crate) mod target;

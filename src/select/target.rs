@@ -1,15 +1,16 @@
 //! The target of a hit: which vertex is displaced, in which direction and how far.
 
 use super::hit::{Cause, Hit, HitStatus, Outcome, Selection, Space};
-use super::landing::Landing;
-use crate::base::error::Error;
-use crate::base::error::positive;
+use crate::base::error::{Error, positive};
 use crate::base::math::to_f32;
+use crate::base::tasks::Serial;
 use crate::damage::mark::Mark;
-use crate::damage::told::{Told, predicted};
+use crate::damage::told::predicted;
 use crate::example::blow::Blow;
 use crate::example::set::ExampleSet;
-use crate::mesh::{finite, nearest::Nearest};
+use crate::mesh::finite;
+use crate::mesh::nearest::{Nearest, VertexIndex};
+use crate::predict::Told;
 use glam::{DMat3, DVec3, Vec3};
 use std::sync::Arc;
 
@@ -46,6 +47,34 @@ impl HitParams {
     }
 }
 
+/// The base vertices that may become contacts, if not all.
+#[derive(Debug)]
+pub(crate) struct Landing {
+    index: VertexIndex,
+    /// For each base vertex, whether hits there leave no mark.
+    rigid: Vec<bool>,
+}
+
+impl Landing {
+    /// Of the base vertices for which `may` is true. `None` if there is none. Both functions agree for vertices at one
+    /// position.
+    pub(crate) fn new(set: &ExampleSet, may: impl Fn(usize) -> bool, is_rigid: impl Fn(usize) -> bool) -> Option<Self> {
+        let (mesh, count) = (set.mesh(), set.vertex_count());
+        let lowest = |v: usize| if may(v) { mesh.weld()[v] } else { u32::MAX };
+        let weld: Vec<u32> = (0..count).map(lowest).collect();
+        let index = weld.iter().any(|w| *w != u32::MAX).then(|| VertexIndex::new(mesh.positions(), &weld, &Serial))?;
+        Some(Landing { index, rigid: (0..count).map(is_rigid).collect() })
+    }
+
+    /// The nearest of these vertices. The lowest index if several are equally near.
+    fn nearest(&self, set: &ExampleSet, point: [f32; 3]) -> Result<Nearest, Error> {
+        let p = finite(point, || "point".into())?;
+        self.index
+            .nearest(p, set.mesh().positions())
+            .ok_or_else(|| Error::invalid("point", p, "near enough that squared distances fit in f32"))
+    }
+}
+
 /// The displacement that a hit asks of a vertex.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct HitTarget {
@@ -56,7 +85,7 @@ pub(crate) struct HitTarget {
     pub size: f32,
     /// The contact's unit normal; against the hit if the mesh has no normals.
     pub normal: Vec3,
-    /// What a mark holds of the hit.
+    /// What a mark holds of the hit: a strike, or a displacement of length 1.
     pub told: Told,
 }
 
@@ -68,11 +97,8 @@ pub(crate) fn resolve(set: &ExampleSet, p: &HitParams, hit: &Hit) -> Result<(Out
     // Read early: it waits for memory together with what the contact's distance needs.
     let normal = set.mesh().contact_normal(contact.vertex);
     let mass = |given: Option<f32>| {
-        given.or_else(|| set.mass(contact.vertex)).ok_or_else(|| Error::InvalidArgument {
-            name: "mass".into(),
-            value: "absent".into(),
-            expected: "given with the impulse, or for the example set's vertices (kg)".into(),
-        })
+        let expected = "given with the impulse, or for the example set's vertices (kg)";
+        given.or_else(|| set.mass(contact.vertex)).ok_or_else(|| Error::invalid("mass", "absent", expected))
     };
     let vector = |v: [f32; 3]| {
         let v = DVec3::from_array(v.map(f64::from));
@@ -109,13 +135,11 @@ pub(crate) fn resolve(set: &ExampleSet, p: &HitParams, hit: &Hit) -> Result<(Out
         mark: None,
         expected_error: None,
     };
-    if p.landing.as_ref().is_some_and(|landing| landing.is_rigid(contact.vertex)) {
-        outcome.status = HitStatus::Rigid;
-        return Ok((outcome, None));
-    }
     let limits = set.mesh().limits();
     let limit = p.depth_limit.min(limits.depth(contact.vertex));
-    if f64::from(limit) <= NEGLIGIBLE * f64::from(p.depth_limit) || limits.give(contact.vertex) == 0.0 {
+    let of_rigid_part = p.landing.as_ref().is_some_and(|landing| landing.rigid[contact.vertex as usize]);
+    let held = f64::from(limit) <= NEGLIGIBLE * f64::from(p.depth_limit) || limits.give(contact.vertex) == 0.0;
+    if of_rigid_part || held {
         outcome.status = HitStatus::Rigid;
         return Ok((outcome, None));
     }
