@@ -17,6 +17,7 @@ use crate::example::mesh_lod::MeshLod;
 use crate::mesh::Mesh;
 use crate::mesh::vertex_blocks::{BLOCK, block_range};
 use glam::{Vec3, Vec4};
+use std::ops::Range;
 
 /// One block to evaluate.
 #[derive(Clone, Copy)]
@@ -28,13 +29,11 @@ pub(crate) struct BlockJob<'a> {
 
 /// Position and unit normal of one vertex, with the same bits as [`block`] writes.
 pub(crate) fn vertex(view: &DamageView<'_>, lod: &MeshLod, v: usize) -> (Vec3, Option<Vec3>) {
-    let (block, i) = (v / BLOCK, v % BLOCK);
-    let n = 3 * block_range(block, lod.vertex_count()).len();
     let (mut positions, mut normals): (Flat, Flat) = ([0.0; 3 * BLOCK], [0.0; 3 * BLOCK]);
     let some = lod.mesh.normals().is_some();
-    let job = BlockJob { view, lod, block };
-    self::block(job, &mut Scratch::new(), &mut positions[..n], some.then_some(&mut normals[..n]));
-    let at = |f: &Flat| Vec3::new(f[3 * i], f[3 * i + 1], f[3 * i + 2]);
+    let job = BlockJob { view, lod, block: v / BLOCK };
+    block(job, &mut Scratch::new(), &mut positions, some.then_some(&mut normals));
+    let at = |f: &Flat| Vec3::from_slice(&f[3 * (v % BLOCK)..]);
     (at(&positions), some.then(|| at(&normals)))
 }
 
@@ -47,34 +46,31 @@ pub(crate) struct Scratch {
     moves: Moves,
     base: Flat,
     base_normals: Flat,
-    positions: Flat,
-    normals: Flat,
 }
 
 impl Scratch {
     pub(crate) fn new() -> Self {
         let zero = [0.0; 3 * BLOCK];
-        Scratch { moves: Vec::with_capacity(PAIRS), base: zero, base_normals: zero, positions: zero, normals: zero }
+        Scratch { moves: Vec::with_capacity(PAIRS), base: zero, base_normals: zero }
     }
 }
 
-/// Writes positions (m) and, if wanted, unit normals: exactly three floats per vertex of the block. Returns the bounds of the
-/// positions. Writes no normals if the mesh has none.
+/// Writes positions (m) and, if wanted, unit normals. The last block of a mesh may be short: what is beyond it then means nothing.
+/// Returns the bounds of the positions. Writes no normals if the mesh has none.
 pub(crate) fn block(
     job: BlockJob<'_>,
     scratch: &mut Scratch,
-    positions: &mut [f32],
-    normals: Option<&mut [f32]>,
+    positions: &mut Flat,
+    normals: Option<&mut Flat>,
 ) -> Aabb {
     let mesh = &job.lod.mesh;
     let range = block_range(job.block, job.lod.vertex_count());
-    assert!(positions.len() == 3 * range.len() && normals.as_ref().is_none_or(|n| n.len() == 3 * range.len()));
     let base: &[f32] = bytemuck::cast_slice(&mesh.positions()[range.clone()]);
     let base_normals: Option<&[f32]> = mesh.normals().map(|n| bytemuck::cast_slice(&n[range.clone()]));
     let normals = normals.zip(base_normals);
     match job.view.shape {
         Shape::Nodes(nodes) => followed(job, nodes, scratch, base, positions, normals),
-        Shape::Vertices(state) => given(state, mesh, range.start, positions, normals),
+        Shape::Vertices(state) => given(state, mesh, range, positions, normals),
     }
 }
 
@@ -84,71 +80,52 @@ fn followed(
     nodes: NodeView<'_>,
     scratch: &mut Scratch,
     base: &[f32],
-    positions: &mut [f32],
-    normals: Option<(&mut [f32], &[f32])>,
+    positions: &mut Flat,
+    normals: Option<(&mut Flat, &[f32])>,
 ) -> Aabb {
-    let (mut normals, base_normals) = normals.unzip();
-    let mesh = &job.lod.mesh;
     if nodes.farthest == 0 {
-        positions.copy_from_slice(base);
-        if let Some((to, base)) = normals.zip(base_normals) {
-            to.copy_from_slice(base);
+        positions[..base.len()].copy_from_slice(base);
+        if let Some((to, base)) = normals {
+            to[..base.len()].copy_from_slice(base);
         }
         return job.lod.mesh.block_bounds()[job.block];
     }
-    let Scratch { moves, base: whole_base, base_normals: whole_normals, positions: short_to, normals: short_normals } =
-        scratch;
-    // The last block of a mesh may be short.
-    let short = base.len() < 3 * BLOCK;
-    let to = if short { &mut *short_to } else { into(positions, short_to) };
-    let to_normals = match &mut normals {
-        Some(n) if !short => into(n, short_normals),
-        _ => &mut *short_normals,
-    };
+    let Scratch { moves, base: whole_base, base_normals: whole_normals } = scratch;
+    let normals = normals.map(|(to, base)| (whole(base, whole_normals), to));
+    let limits = job.lod.mesh.limits();
     let following = Following {
         base: whole(base, whole_base),
-        base_normals: base_normals.map(|base| whole(base, whole_normals)),
         len: base.len() / 3,
         rows: &job.lod.rows,
         tile: job.block * (BLOCK / TILE),
         nodes,
         limit: job.view.depth_limit,
-        own: mesh.limits().least().get(job.block).map(|least| (*least, mesh.limits().block(job.block))),
+        own: limits.least().get(job.block).map(|least| (*least, limits.block(job.block))),
     };
-    let (min, max) = levels::follow(&following, moves, to, to_normals);
-    if short {
-        positions.copy_from_slice(&short_to[..positions.len()]);
-        if let Some(n) = normals {
-            n.copy_from_slice(&short_normals[..n.len()]);
-        }
-    }
+    let (min, max) = levels::follow(&following, moves, positions, normals);
     Aabb { min, max }
 }
 
-/// A whole block to write to: `to`, or `scratch` if `to` is short.
-fn into<'b>(to: &'b mut [f32], scratch: &'b mut Flat) -> &'b mut Flat {
-    match to.first_chunk_mut() {
-        Some(whole) => whole,
-        None => scratch,
-    }
-}
-
+/// The vertices of a block that a classic rule displaced.
 fn given(
     state: DisplacedVertices<'_>,
     mesh: &Mesh,
-    first: usize,
-    positions: &mut [f32],
-    normals: Option<(&mut [f32], &[f32])>,
+    range: Range<usize>,
+    positions: &mut Flat,
+    normals: Option<(&mut Flat, &[f32])>,
 ) -> Aabb {
     let mut bounds = Aabb::EMPTY;
     let mut normals = normals.map(|(to, base)| to.chunks_exact_mut(3).zip(base.chunks_exact(3)));
-    for (i, p) in positions.chunks_exact_mut(3).enumerate() {
-        let (at, factor) = shortened(state, mesh, first + i);
+    for (v, p) in range.zip(positions.chunks_exact_mut(3)) {
+        let (base, at) = (mesh.positions()[v], state.positions[v]);
+        // The vertex has its own limits.
+        let factor = mesh.limits().factor(v as u32, at - base);
+        let at = if factor < 1.0 { base + (at - base) * factor } else { at };
         bounds.add(at);
         p.copy_from_slice(&at.to_array());
         let Some((n, base)) = normals.as_mut().and_then(Iterator::next) else { continue };
         let base = Vec3::from_slice(base);
-        let mut now = state.normals.get(first + i).copied().unwrap_or(base);
+        let mut now = state.normals.get(v).copied().unwrap_or(base);
         if factor < 1.0 {
             now = base + (now - base) * factor;
         }
@@ -156,13 +133,6 @@ fn given(
         n.copy_from_slice(&now.to_array());
     }
     bounds
-}
-
-/// The position of a vertex that a classic rule displaced, with its own limits, and their factor for the displacement.
-fn shortened(state: DisplacedVertices<'_>, mesh: &Mesh, v: usize) -> (Vec3, f32) {
-    let (base, at) = (mesh.positions()[v], state.positions[v]);
-    let factor = mesh.limits().factor(v as u32, at - base);
-    (if factor < 1.0 { base + (at - base) * factor } else { at }, factor)
 }
 
 /// The base tangent, rotated as the normal was and made orthogonal to the new normal. Keeps w.

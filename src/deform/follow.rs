@@ -16,9 +16,8 @@ use glam::Vec3;
 
 /// The vertices of one block and the nodes that they follow.
 pub(crate) struct Following<'a> {
-    /// Undeformed positions of the block x y z x y z …, and unit normals if they are wanted.
+    /// Undeformed positions of the block x y z x y z ….
     pub base: &'a Flat,
-    pub base_normals: Option<&'a Flat>,
     /// Number of its vertices.
     pub len: usize,
     pub rows: &'a Rows,
@@ -73,18 +72,20 @@ unsafe fn in_units<S: Simd>(v: [S::I; 3], unit: S::F) -> V<S> {
     unsafe { each!(k => S::mul(S::float(v[k]), unit)) }
 }
 
-/// Writes deformed positions, and unit normals if `NORMALS`, of the block's vertices: [`TILE`] are `GROUPS` times the lanes. `moves` is
-/// memory to use. Returns the bounds of the positions.
+/// The undeformed unit normals of a block, and where to write them.
+pub(crate) type Normals<'a> = Option<(&'a Flat, &'a mut Flat)>;
+
+/// Writes deformed positions, and unit normals if they are wanted, of the block's vertices: [`TILE`] are `GROUPS` times the lanes.
+/// `moves` is memory to use. Returns the bounds of the positions.
 #[inline(always)]
-pub(crate) unsafe fn follow<S: Simd, const GROUPS: usize, const NORMALS: bool>(
+pub(crate) unsafe fn follow<S: Simd, const GROUPS: usize>(
     block: &Following<'_>,
     moves: &mut Moves,
     positions: &mut Flat,
-    normals: &mut Flat,
+    mut normals: Normals<'_>,
 ) -> (Vec3, Vec3) {
     const { assert!(GROUPS * S::LANES == TILE) };
     assert!(block.len <= BLOCK);
-    let base_normals = block.base_normals.filter(|_| NORMALS);
     // SAFETY: guaranteed by the caller; the lanes lie in a tile, which lies in the block.
     unsafe {
         let mut extent = Extent::<S>::new();
@@ -98,7 +99,7 @@ pub(crate) unsafe fn follow<S: Simd, const GROUPS: usize, const NORMALS: bool>(
                     store3::<S>(p, positions.as_mut_ptr().add(here));
                     extent.add_some(p, &positions[at..at + 3 * len], group);
                 }
-                if let Some(base) = base_normals {
+                if let Some((base, normals)) = &mut normals {
                     normals[at..at + 3 * TILE].copy_from_slice(&base[at..at + 3 * TILE]);
                 }
                 continue;
@@ -121,7 +122,7 @@ pub(crate) unsafe fn follow<S: Simd, const GROUPS: usize, const NORMALS: bool>(
                 store3::<S>(p, positions.as_mut_ptr().add(3 * here));
                 extent.add_some(p, &positions[at..at + 3 * len], group);
             }
-            let Some(base) = base_normals else { continue };
+            let Some((base, normals)) = &mut normals else { continue };
             let (slopes, units) = (block.rows.slopes_of(tile).unwrap_or_default(), block.rows.slope_units_of(tile));
             assert!(slopes.len() == 2 * weights.len() && units.len() == TILE);
             let along_x = sums::<S, GROUPS>(moves, slopes.as_ptr());

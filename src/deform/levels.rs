@@ -1,6 +1,6 @@
 //! Compiles each kernel for each level and calls the one in use.
 
-use super::follow::{self, Following, Moves};
+use super::follow::{self, Following, Moves, Normals};
 use super::kernel::{self, Flat};
 #[cfg(target_arch = "x86_64")]
 use super::simd::{Avx2, Avx512};
@@ -23,31 +23,22 @@ macro_rules! compiled {
 }
 
 compiled!(octahedral_avx2, "avx2", kernel::octahedral::<Avx2>, (normals: &Flat, to: &mut [u32; BLOCK]) -> ());
-compiled!(follow_avx2, "avx2", follow::follow::<Avx2, 2, false>,
-    (block: &Following<'_>, moves: &mut Moves, positions: &mut Flat, normals: &mut Flat) -> Bounds);
-compiled!(follow_normals_avx2, "avx2", follow::follow::<Avx2, 2, true>,
-    (block: &Following<'_>, moves: &mut Moves, positions: &mut Flat, normals: &mut Flat) -> Bounds);
-compiled!(follow_avx512, "avx512f,avx512bw,avx512dq,avx512vl,avx2", follow::follow::<Avx512, 1, false>,
-    (block: &Following<'_>, moves: &mut Moves, positions: &mut Flat, normals: &mut Flat) -> Bounds);
-compiled!(follow_normals_avx512, "avx512f,avx512bw,avx512dq,avx512vl,avx2", follow::follow::<Avx512, 1, true>,
-    (block: &Following<'_>, moves: &mut Moves, positions: &mut Flat, normals: &mut Flat) -> Bounds);
+compiled!(follow_avx2, "avx2", follow::follow::<Avx2, 2>,
+    (block: &Following<'_>, moves: &mut Moves, positions: &mut Flat, normals: Normals<'_>) -> Bounds);
+compiled!(follow_avx512, "avx512f,avx512bw,avx512dq,avx512vl,avx2", follow::follow::<Avx512, 1>,
+    (block: &Following<'_>, moves: &mut Moves, positions: &mut Flat, normals: Normals<'_>) -> Bounds);
 
 /// [`follow::follow`].
 #[inline]
-pub(crate) fn follow(block: &Following<'_>, moves: &mut Moves, positions: &mut Flat, normals: &mut Flat) -> Bounds {
+pub(crate) fn follow(block: &Following<'_>, moves: &mut Moves, positions: &mut Flat, normals: Normals<'_>) -> Bounds {
     // SAFETY: a level is in use only if the processor supports it.
     unsafe {
-        match (SimdLevel::current(), block.base_normals.is_some()) {
+        match SimdLevel::current() {
             #[cfg(target_arch = "x86_64")]
-            (SimdLevel::Avx512, false) => follow_avx512(block, moves, positions, normals),
+            SimdLevel::Avx512 => follow_avx512(block, moves, positions, normals),
             #[cfg(target_arch = "x86_64")]
-            (SimdLevel::Avx512, true) => follow_normals_avx512(block, moves, positions, normals),
-            #[cfg(target_arch = "x86_64")]
-            (SimdLevel::Avx2, false) => follow_avx2(block, moves, positions, normals),
-            #[cfg(target_arch = "x86_64")]
-            (SimdLevel::Avx2, true) => follow_normals_avx2(block, moves, positions, normals),
-            (_, false) => follow::follow::<Portable, 2, false>(block, moves, positions, normals),
-            (_, true) => follow::follow::<Portable, 2, true>(block, moves, positions, normals),
+            SimdLevel::Avx2 => follow_avx2(block, moves, positions, normals),
+            _ => follow::follow::<Portable, 2>(block, moves, positions, normals),
         }
     }
 }

@@ -77,11 +77,13 @@ impl<'a> VertexMemory<'a> {
         normal: Option<Attribute>,
         tangent: Option<Attribute>,
     ) -> Result<Self, Error> {
-        let streams = [("position", Some(position), 12), ("normal", normal, 12), ("tangent", tangent, 16)];
-        let present: Vec<_> =
-            streams.iter().filter_map(|(name, a, floats)| Some((name, (*a)?, (*a)?.bytes(*floats)))).collect();
-        for (i, (name, a, bytes)) in present.iter().enumerate() {
-            for (other, b, other_bytes) in &present[i + 1..] {
+        let (data, size) = (data.as_mut_ptr(), data.len());
+        let raw = |layout| RawStream { data, size, layout };
+        let (position, normal, tangent) = (raw(position), normal.map(raw), tangent.map(raw));
+        let memory = Self { position, normal, tangent, owner: PhantomData };
+        let streams: Vec<_> = memory.streams().map(|(name, s, bytes)| (name, s.layout, bytes)).collect();
+        for (i, (name, a, bytes)) in streams.iter().enumerate() {
+            for (other, b, other_bytes) in &streams[i + 1..] {
                 // Checked for the largest vertex count, since the count is not known yet.
                 if a.strided(*bytes, u32::MAX.into()).overlaps(&b.strided(*other_bytes, u32::MAX.into())) {
                     let value = format!(
@@ -92,9 +94,7 @@ impl<'a> VertexMemory<'a> {
                 }
             }
         }
-        let (data, size) = (data.as_mut_ptr(), data.len());
-        let raw = |layout| RawStream { data, size, layout };
-        Self::checked(raw(position), normal.map(raw), tangent.map(raw))
+        memory.checked()
     }
 
     /// Attributes in separate arrays of floats.
@@ -108,11 +108,12 @@ impl<'a> VertexMemory<'a> {
     ) -> Result<Self, Error> {
         let raw =
             |data: *mut u8, size: usize, stride: usize| RawStream { data, size, layout: Attribute::floats(stride) };
-        Self::checked(
-            raw(positions.as_mut_ptr().cast(), size_of_val(positions), 12),
-            normals.map(|n| raw(n.as_mut_ptr().cast(), size_of_val(n), 12)),
-            tangents.map(|t| raw(t.as_mut_ptr().cast(), size_of_val(t), 16)),
-        )
+        Ok(Self {
+            position: raw(positions.as_mut_ptr().cast(), size_of_val(positions), 12),
+            normal: normals.map(|n| raw(n.as_mut_ptr().cast(), size_of_val(n), 12)),
+            tangent: tangents.map(|t| raw(t.as_mut_ptr().cast(), size_of_val(t), 16)),
+            owner: PhantomData,
+        })
     }
 
     /// Adds an array for normals in [`Encoding::Octahedral16x2`], in place of other normals. `deform` checks the size.
@@ -143,12 +144,11 @@ impl<'a> VertexMemory<'a> {
         normal: Option<RawStream>,
         tangent: Option<RawStream>,
     ) -> Result<Self, Error> {
-        Self::checked(position, normal, tangent)
+        Self { position, normal, tangent, owner: PhantomData }.checked()
     }
 
-    fn checked(position: RawStream, normal: Option<RawStream>, tangent: Option<RawStream>) -> Result<Self, Error> {
-        let memory = Self { position, normal, tangent, owner: PhantomData };
-        for (name, s, bytes) in memory.streams() {
+    fn checked(self) -> Result<Self, Error> {
+        for (name, s, bytes) in self.streams() {
             let direction = matches!(name, "normal" | "tangent");
             match s.layout.format {
                 Encoding::F32 => {}
@@ -163,7 +163,7 @@ impl<'a> VertexMemory<'a> {
             }
             s.layout.strided(bytes, 1).check_stride(format_args!("{name} stride"))?;
         }
-        Ok(memory)
+        Ok(self)
     }
 
     /// The streams that there are, with their names and the bytes of a value.
@@ -278,27 +278,4 @@ unsafe fn put_all<T: Copy, const N: usize>(s: &RawStream, first: usize, values: 
 unsafe fn put<T: Copy>(s: &RawStream, v: usize, value: T) {
     // SAFETY: in bounds, as the caller guarantees; unaligned, since a `&mut [u8]` may begin anywhere.
     unsafe { s.data.add(s.layout.offset + v * s.layout.stride).cast::<T>().write_unaligned(value) }
-}
-
-/// A slice that several tasks write, each element by only one of them.
-pub(crate) struct Scattered<'a, T>(*mut T, usize, PhantomData<&'a mut [T]>);
-
-// SAFETY: `at` requires that nobody else accesses the element, so writes go to distinct elements.
-unsafe impl<T: Send> Sync for Scattered<'_, T> {}
-
-impl<'a, T> Scattered<'a, T> {
-    pub(crate) fn new(slice: &'a mut [T]) -> Self {
-        Self(slice.as_mut_ptr(), slice.len(), PhantomData)
-    }
-
-    /// Element `i`, to be written in place.
-    ///
-    /// # Safety
-    /// Nobody else accesses element `i` while the reference lives.
-    #[allow(clippy::mut_from_ref)]
-    pub(crate) unsafe fn at(&self, i: usize) -> &mut T {
-        assert!(i < self.1);
-        // SAFETY: in bounds by the assertion; unaliased, as the caller guarantees.
-        unsafe { &mut *self.0.add(i) }
-    }
 }

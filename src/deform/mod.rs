@@ -22,11 +22,10 @@ pub(crate) use encoding::{octahedral_normal, octahedral_tangent};
 
 use crate::base::error::{Error, reserve};
 use crate::base::math::Aabb;
-use crate::base::tasks::{Serial, TaskSystem, run_each};
+use crate::base::tasks::{Serial, TaskSystem, map};
 use crate::example::mesh_lod::MeshLod;
 use crate::mesh::vertex_blocks::{BLOCK, block_range};
 use glam::Vec3;
-use memory::Scattered;
 use view::DamageView;
 
 /// The most blocks that one task evaluates.
@@ -117,24 +116,17 @@ pub(crate) fn write_outputs(
     let tasks = if total < SMALL && tasks.sleeps() { &Serial } else { tasks };
     let mut bounds = reserve(total, "the bounds of blocks")?;
     bounds.resize(total, Aabb::EMPTY);
-    {
-        let slots = Scattered::new(&mut bounds);
-        let outputs = &*outputs;
-        let chunk = match tasks.workers() {
-            0 | 1 => total.max(1),
-            workers => total.div_ceil(workers * TASKS_A_WORKER).clamp(1, BLOCKS_A_TASK),
-        };
-        run_each(tasks, total.div_ceil(chunk), &|t| {
-            let from = t * chunk;
-            let mut scratch =
-                Scratch { evaluate: evaluate::Scratch::new(), positions: [0.0; 3 * BLOCK], normals: [0.0; 3 * BLOCK] };
-            for (i, (output, block)) in items[from..(from + chunk).min(total)].iter().enumerate() {
-                // SAFETY: item `from + i` belongs to this task alone, and `run_each` runs a task once.
-                let bounds = unsafe { slots.at(from + i) };
-                *bounds = write_block(&outputs[*output as usize], *block as usize, &mut scratch);
-            }
-        });
-    }
+    let chunk = match tasks.workers() {
+        0 | 1 => total.max(1),
+        workers => total.div_ceil(workers * TASKS_A_WORKER).clamp(1, BLOCKS_A_TASK),
+    };
+    map(tasks, items.chunks(chunk).zip(bounds.chunks_mut(chunk)), |(items, bounds)| {
+        let mut scratch =
+            Scratch { evaluate: evaluate::Scratch::new(), positions: [0.0; 3 * BLOCK], normals: [0.0; 3 * BLOCK] };
+        for ((output, block), bounds) in items.iter().zip(bounds) {
+            *bounds = write_block(&outputs[*output as usize], *block as usize, &mut scratch);
+        }
+    });
     let mut report = DeformReport::default();
     for due in &waiting {
         outputs[due.output].tracker.waits();
@@ -169,15 +161,14 @@ fn write_block(output: &Output<'_, '_>, block: usize, scratch: &mut Scratch) -> 
     let range = block_range(block, mesh.vertex_count());
     let n = 3 * range.len();
     let Scratch { evaluate: scratch, positions, normals } = scratch;
-    let wanted = output.with_normals().then_some(&mut normals[..n]);
+    let wanted = output.with_normals().then_some(&mut *normals);
     // SAFETY: `check` passed for all vertices; the blocks of an output are distinct and outputs do not overlap.
-    let bounds = match unsafe { memory.positions(range.clone()) } {
+    let bounds = match unsafe { memory.positions(range.clone()) }.and_then(|to| to.first_chunk_mut()) {
         Some(positions) => evaluate::block(job, scratch, positions, wanted),
         None => {
-            let positions = &mut positions[..n];
             let bounds = evaluate::block(job, scratch, positions, wanted);
             // SAFETY: the same.
-            unsafe { memory.write_positions(range.start, positions) };
+            unsafe { memory.write_positions(range.start, &positions[..n]) };
             bounds
         }
     };

@@ -6,9 +6,9 @@
 use super::view::{NodeSteps, NodeView};
 use crate::base::math::{MOST_WHOLE, small_whole};
 use crate::basis::field::{GROUP, MOST, NodeField};
-use crate::damage::list::Damage;
+use crate::damage::dent::Dent;
+use crate::damage::list::{Damage, walk};
 use crate::damage::mark::Mark;
-use std::cmp::Ordering;
 use std::sync::Arc;
 
 /// The share of the depth limit up to which nodes move freely. Beyond it they approach the limit.
@@ -19,8 +19,9 @@ const FREE: f32 = 0.75;
 pub(crate) struct NodeState {
     /// The number of nodes.
     count: usize,
-    /// What the sums hold, sorted by mark.
-    shown: Vec<Shown>,
+    /// The marks whose dents the sums hold, and of each its field with what that is multiplied by.
+    marks: Vec<Mark>,
+    shown: Vec<(Arc<NodeField>, f32)>,
     /// In units, of each group of [`GROUP`] nodes: along x, y and z.
     sums: Vec<[[i32; GROUP]; 3]>,
     /// Of sums, m; a power of two.
@@ -39,19 +40,12 @@ pub(crate) struct NodeState {
     is_touched: Vec<bool>,
 }
 
-/// A dent that the sums hold.
-#[derive(Debug)]
-struct Shown {
-    mark: Mark,
-    field: Arc<NodeField>,
-    factor: f32,
-}
-
 impl NodeState {
     /// As many nodes, none of them displaced, of a set with this depth limit (m), for at most so many dents.
     pub(crate) fn new(count: usize, own_limit: f32, dents: u32) -> Self {
         Self {
             count,
+            marks: Vec::new(),
             shown: Vec::new(),
             sums: Vec::new(),
             unit: power(own_limit.clamp(LEAST, MOST_METRES)) * UNIT,
@@ -86,31 +80,20 @@ impl NodeState {
             self.is_touched.fill(true);
             (self.limit, self.step) = (limit, step(limit));
         }
-        let before = std::mem::take(&mut self.shown);
-        let mut old = before.iter().peekable();
-        let dents = damage.marks().iter().zip(damage.dents());
-        self.shown.reserve(dents.len());
-        for (mark, dent) in dents {
-            while let Some(gone) = old.next_if(|o| o.mark.key().cmp(&mark.key()) == Ordering::Less) {
-                self.add(&gone.field, [gone.factor, 0.0]);
-            }
-            let (field, factor) = dent.field();
-            let mut from = 0.0;
-            if let Some(same) = old.next_if(|o| o.mark.key() == mark.key()) {
-                if Arc::ptr_eq(&same.field, field) {
-                    from = same.factor;
-                } else {
-                    self.add(&same.field, [same.factor, 0.0]);
+        let (before, shown) = (std::mem::take(&mut self.marks), std::mem::take(&mut self.shown));
+        walk(&before, damage.marks(), |_, old, new| {
+            let old = old.map(|at| &shown[at]);
+            let new = new.map(|at| damage.dents()[at].field());
+            match (old, new) {
+                (Some((field, from)), Some((same, to))) if Arc::ptr_eq(field, same) => self.add(field, [*from, to]),
+                _ => {
+                    old.into_iter().for_each(|(field, factor)| self.add(field, [*factor, 0.0]));
+                    new.into_iter().for_each(|(field, factor)| self.add(field, [0.0, factor]));
                 }
             }
-            if from != factor {
-                self.add(field, [from, factor]);
-            }
-            self.shown.push(Shown { mark: *mark, field: field.clone(), factor });
-        }
-        for gone in old {
-            self.add(&gone.field, [gone.factor, 0.0]);
-        }
+        });
+        self.marks.extend_from_slice(damage.marks());
+        self.shown.extend(damage.dents().iter().map(Dent::field).map(|(field, factor)| (field.clone(), factor)));
         let (limit, step, unit) = (self.limit, self.step, self.unit);
         let groups = self.is_touched.iter_mut().zip(&self.sums).zip(self.steps.chunks_mut(GROUP));
         let groups = (0..).step_by(GROUP).zip(groups).filter(|(_, ((is_touched, _), _))| **is_touched);
@@ -129,6 +112,9 @@ impl NodeState {
 
     /// Changes what a dent adds to the sums from a factor of its field to another.
     fn add(&mut self, field: &NodeField, factors: [f32; 2]) {
+        if factors[0] == factors[1] {
+            return;
+        }
         let per_step = factors.map(|factor| (factor * (field.step() / self.unit)).clamp(f32::MIN, f32::MAX));
         let longest = self.longest;
         // The same numbers whenever the same dent comes or goes.
@@ -146,7 +132,8 @@ impl NodeState {
 
     /// Memory used, bytes. Fields are those of the damage.
     pub(crate) fn memory_bytes(&self) -> usize {
-        self.shown.capacity() * size_of::<Shown>()
+        self.marks.capacity() * size_of::<Mark>()
+            + self.shown.capacity() * size_of::<(Arc<NodeField>, f32)>()
             + self.sums.capacity() * size_of::<[[i32; GROUP]; 3]>()
             + self.steps.capacity() * size_of::<NodeSteps>()
             + self.is_touched.capacity()

@@ -166,8 +166,7 @@ impl Instance {
                 let near = bounds.distance_squared(contact(mark)) <= 0.0;
                 *is_on_mesh |= near && at_rest.contains(&contact(mark));
             }
-            let positions = &mut positions[..3 * range.len()];
-            block(BlockJob { view: &view, lod: mesh, block: at }, &mut scratch, positions, None);
+            block(BlockJob { view: &view, lod: mesh, block: at }, &mut scratch, &mut positions, None);
             for (base, now) in at_rest.iter().zip(positions.chunks_exact(3)) {
                 let moved = (Vec3::from_slice(now).as_dvec3() - base.as_dvec3()).length();
                 deepest = deepest.max(moved);
