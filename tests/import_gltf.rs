@@ -24,7 +24,7 @@ fn dense(deltas: &Deltas, count: usize) -> Vec<[f32; 3]> {
     out
 }
 
-/// The dent of make_blender_fixtures.py, in the exported axes (x, z, -y).
+/// The dent of tests/fixtures/README.md.
 fn dent(at: [f32; 3], centre: [f64; 3], radius: f64, depth: f64, direction: [f64; 3]) -> [f64; 3] {
     let squared: f64 = (0..3).map(|i| (f64::from(at[i]) - centre[i]).powi(2)).sum();
     let share = (1.0 - squared / (radius * radius)).max(0.0).powi(2);
