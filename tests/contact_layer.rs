@@ -7,14 +7,21 @@ use std::sync::Arc;
 
 use crumple::glam::{Mat4, Quat};
 use crumple::{
-    Blow, Contact, ContactLayer, ContactOptions, ContactPoint, ContactReport, Error, ErrorKind, ExampleSet, Hit,
+    Blow, ContactLayer, ContactOptions, ContactPoint, ContactReport, Error, ErrorKind, ExampleData, ExampleSet, Hit,
     Impulses, Instance, InstanceOptions, Rule, SetOptions, Striker,
 };
 use proptest::prelude::*;
-use scenes::{Dice, build, displacements, new};
+use scenes::{Dice, build, dented, displacements, new};
 
 const STEP: f32 = 1.0 / 60.0;
 const MASS: f32 = 8.0;
+
+/// The blow of a body of this mass from above.
+fn blow(speed: f32, mass: f32) -> Blow {
+    let velocity = [0.0, 0.0, -speed];
+    let striker = Striker { mass: Some(mass), velocity: Some(velocity), ..Striker::default() };
+    Blow { impulse: Some(velocity.map(|v| mass * v)), normal: Some([0.0, 0.0, 1.0]), striker, ..Blow::default() }
+}
 
 /// A sheet whose examples know their blows: a striker of 8 kg at 100 m/s for each metre of `softness` times the depth.
 fn set(softness: f32) -> Arc<ExampleSet> {
@@ -24,16 +31,7 @@ fn set(softness: f32) -> Arc<ExampleSet> {
     let places = [place(0.0, 0.0), place(-0.25, 0.2), place(0.25, -0.2), place(-0.2, -0.25), place(0.2, 0.25)];
     let examples = places.map(|v| {
         let depth = dice.between(0.03, 0.06);
-        let mut example = scenes::bowl(&mesh, v, depth, 0.25);
-        let velocity = [0.0, 0.0, -100.0 * depth / softness];
-        example.blow = Blow {
-            impulse: Some(velocity.map(|v| MASS * v)),
-            normal: Some([0.0, 0.0, 1.0]),
-            striker: Striker { mass: Some(MASS), velocity: Some(velocity), radius: None, ..Default::default() },
-            ..Blow::default()
-        };
-        assert!(matches!(example.contact, Some(Contact::Vertex(_))));
-        example
+        ExampleData { blow: blow(100.0 * depth / softness, MASS), ..scenes::bowl(&mesh, v, depth, 0.25) }
     });
     build(mesh, examples.to_vec(), SetOptions { depth_limit: Some(1.0), ..SetOptions::default() })
 }
@@ -63,6 +61,12 @@ fn same(a: f32, b: f32, within: f32) -> bool {
     (a - b).abs() <= within * a.abs().max(b.abs())
 }
 
+/// A step of the physics with these points.
+fn stepped(contacts: &ContactLayer, points: &[ContactPoint]) -> ContactReport {
+    contacts.report(points).unwrap();
+    contacts.step(STEP).unwrap()
+}
+
 /// The points of a step, made for a body.
 type Points<'a> = &'a dyn Fn(&Instance) -> Vec<ContactPoint>;
 
@@ -70,8 +74,7 @@ type Points<'a> = &'a dyn Fn(&Instance) -> Vec<ContactPoint>;
 fn after(set: &Arc<ExampleSet>, options: ContactOptions, steps: &[Points<'_>]) -> f32 {
     let (mut body, contacts) = (new(set), layer(options));
     for step in steps {
-        contacts.report(&step(&body)).unwrap();
-        let report = contacts.step(STEP).unwrap();
+        let report = stepped(&contacts, &step(&body));
         assert_eq!(report.refusal, None);
     }
     depth(&mut body)
@@ -89,13 +92,7 @@ fn struck(set: &Arc<ExampleSet>, seconds: f32, steps: &[(f32, Option<f32>)]) -> 
 
 /// The dent of one whole blow, told without the layer.
 fn told(set: &Arc<ExampleSet>, speed: f32, mass: f32) -> f32 {
-    let mut body = new(set);
-    let velocity = [0.0, 0.0, -speed];
-    let striker = Striker { mass: Some(mass), velocity: Some(velocity), radius: None, ..Default::default() };
-    let blow =
-        Blow { impulse: Some(velocity.map(|v| mass * v)), normal: Some([0.0, 0.0, 1.0]), striker, ..Blow::default() };
-    body.submit(&Hit::blow([0.0; 3], blow)).unwrap();
-    depth(&mut body)
+    depth(&mut dented(set, InstanceOptions::default(), &[Hit::blow([0.0; 3], blow(speed, mass))]))
 }
 
 #[test]
@@ -159,8 +156,7 @@ fn quick_points_further_apart_than_a_dent_share_the_energy() {
     let row =
         |body: &Instance| (-4..=4).map(|i| point(body, [0.1 * i as f32, 0.0], 5.0, Some(10.0))).collect::<Vec<_>>();
     let (mut body, contacts) = (new(&set), layer(ContactOptions { dent_radius: Some(0.15), ..Default::default() }));
-    contacts.report(&row(&body)).unwrap();
-    let report = contacts.step(STEP).unwrap();
+    let report = stepped(&contacts, &row(&body));
     assert!((3..=5).contains(&report.begun), "{report:?}");
     assert!(report.hits >= report.begun);
     assert!(depth(&mut body) < told(&set, 5.0, 90.0 / 5.0));
@@ -188,8 +184,7 @@ fn quick_the_steps_of_a_touch_are_one_dent() {
     for (before, after) in [(5.0, 3.0), (3.0, 0.5), (0.5, 0.0)] {
         let mut p = point(&body, [0.0; 2], before, None);
         p.velocity_after = Some([0.0, 0.0, -after]);
-        contacts.report(&[p]).unwrap();
-        contacts.step(STEP).unwrap();
+        stepped(&contacts, &[p]);
     }
     assert!(same(depth(&mut body), expected, 1e-3));
 }
@@ -290,8 +285,7 @@ fn quick_the_steps_of_a_touch_bring_no_more_than_the_approach() {
     let both = |second: f32| {
         let (mut body, contacts) = (new(&set), default());
         for points in [first(&body), step(far, 4.0, second)(&body)] {
-            contacts.report(&points).unwrap();
-            contacts.step(STEP).unwrap();
+            stepped(&contacts, &points);
         }
         (depth(&mut body), contacts.totals())
     };
@@ -356,8 +350,7 @@ fn quick_the_order_of_a_pair_may_change_from_step_to_step() {
                 p.radii.reverse();
                 (p.normal, p.velocity) = (p.normal.map(|x| -x), p.velocity.map(|v| v.map(|x| -x)));
             }
-            contacts.report(&[p]).unwrap();
-            contacts.step(STEP).unwrap();
+            stepped(&contacts, &[p]);
         }
         assert_eq!(contacts.totals().begun, 2, "one touch for each body");
         (a.save(), b.save(), depth(&mut a))
@@ -430,8 +423,7 @@ fn quick_the_order_and_the_threads_of_reports_do_not_matter() {
         for step in 0..6 {
             let mut points = make(&body);
             let Some(seed) = seed else {
-                contacts.report(&points).unwrap();
-                contacts.step(STEP).unwrap();
+                stepped(&contacts, &points);
                 continue;
             };
             Dice::new(seed + step).shuffle(&mut points);
@@ -520,15 +512,13 @@ fn quick_memory_is_bounded_and_counters_tell() {
     let expected = "points is 11 since the last step; it must be at most 10 (max_points): call step after each step of the \
                     physics";
     assert_eq!(error, expected);
-    contacts.report(&many(10)).unwrap();
-    let report = contacts.step(STEP).unwrap();
+    let report = stepped(&contacts, &many(10));
     assert_eq!((report.hits, report.crowded, report.open), (10, 6, 4));
     // A point that the body refuses does not keep the others back.
     let mut far = point(&body, [0.0; 2], 5.0, Some(40.0));
     far.point = [1e6, 0.0, 0.0];
     far.pair = 0;
-    contacts.report(&[far, ContactPoint { pair: 50, ..point(&body, [0.0; 2], 5.0, Some(40.0)) }]).unwrap();
-    let report = contacts.step(STEP).unwrap();
+    let report = stepped(&contacts, &[far, ContactPoint { pair: 50, ..point(&body, [0.0; 2], 5.0, Some(40.0)) }]);
     assert_eq!((report.hits, report.refused), (1, 1));
     assert!(matches!(report.refusal, Some(Error::ContactTooFar { .. })));
     contacts.clear();
@@ -541,10 +531,8 @@ fn quick_a_pair_s_number_may_be_used_again_and_bodies_may_go() {
     let set = set(1.0);
     let contacts = default();
     let (first, mut second) = (new(&set), new(&set));
-    contacts.report(&[point(&first, [0.0; 2], 5.0, Some(20.0))]).unwrap();
-    contacts.step(STEP).unwrap();
-    contacts.report(&[point(&second, [0.0; 2], 5.0, Some(40.0))]).unwrap();
-    let report = contacts.step(STEP).unwrap();
+    stepped(&contacts, &[point(&first, [0.0; 2], 5.0, Some(20.0))]);
+    let report = stepped(&contacts, &[point(&second, [0.0; 2], 5.0, Some(40.0))]);
     assert_eq!((report.begun, report.ended, report.open), (1, 1, 1));
     assert!(same(depth(&mut second), told(&set, 5.0, MASS), 1e-4), "nothing of the first pair is left");
     contacts.report(&[point(&first, [0.0; 2], 5.0, Some(20.0))]).unwrap();
