@@ -111,15 +111,6 @@ fn an_undamaged_mesh_gets_the_bits_that_godot_gives_it() {
 }
 
 #[test]
-fn the_axes_lie_where_godot_puts_them() {
-    assert_eq!(stored(octahedron_encode([0.0, 0.0, 1.0])), [32767, 32767]);
-    assert_eq!(stored(octahedron_encode([1.0, 0.0, 0.0])), [65535, 32767]);
-    assert_eq!(stored(octahedron_encode([0.0, 0.0, -1.0])), [65535, 65535]);
-    assert_eq!(tangent_of_godot([1.0, 0.0, 0.0, 1.0]), [65535, 49151]);
-    assert_eq!(tangent_of_godot([1.0, 0.0, 0.0, -1.0]), [65535, 16383]);
-}
-
-#[test]
 fn dented_vertices_are_the_packed_floats_and_nothing_else_is_written() {
     const GUARD: u8 = 0xA5;
     let set = scenes::cube_set();
