@@ -1,5 +1,5 @@
 //! Levels of detail: several meshes show the same damage. A level that is the base mesh is compared bit for bit (`parts.rs` does that
-//! with pieces of it), others with an interpolation in f64.
+//! with pieces of it), others with an interpolation in f64. `promises.rs` has what is written of a level, and when.
 
 mod scenes;
 
@@ -10,7 +10,7 @@ use crumple::{
     DeformJob, Error, ErrorKind, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData, Rule, Serial,
     SetOptions, Tracker, VertexMemory, deform,
 };
-use scenes::{Dice, Output, ball, bowls, coincident, cube, length, new, push, random_hits, sheet};
+use scenes::{Dice, Output, ball, bowls, coincident, cube, dented, length, new, push, random_hits, sheet};
 
 fn options(tolerance: Option<f32>) -> SetOptions {
     SetOptions { tolerance, ..SetOptions::default() }
@@ -23,12 +23,6 @@ fn with_lods(mesh: MeshData, examples: Vec<ExampleData>, options: SetOptions, lo
     }
     assert_eq!((set.lod_count(), set.report().lods.len()), (1 + lods.len(), lods.len()));
     Arc::new(set)
-}
-
-fn dented(set: &Arc<ExampleSet>, hits: &[Hit]) -> Instance {
-    let body = new(set);
-    hits.iter().for_each(|h| assert!(body.submit(h).is_ok()));
-    body
 }
 
 /// Hits at the examples' own contacts, and hits anywhere else.
@@ -44,7 +38,7 @@ fn a_level_that_is_the_base_mesh_moves_as_the_base_does() {
             let examples = bowls(&mesh, 4, radius, 3);
             let set = with_lods(mesh.clone(), examples, options(tolerance), std::slice::from_ref(&mesh));
             assert_eq!(set.report().lods[0].farthest, 0.0);
-            let mut body = dented(&set, &hits(&set, 9));
+            let mut body = dented(&set, InstanceOptions::default(), &hits(&set, 9));
             let (base, lod) = (Output::fresh_level(&mut body, 0), Output::fresh_level(&mut body, 1));
             assert_eq!(base.position_bits(), lod.position_bits(), "{tolerance:?}");
             for (a, b) in base.normals.iter().zip(&lod.normals) {
@@ -86,8 +80,8 @@ fn vertices_between_follow_the_interpolated_displacement() {
         assert!((set.report().lods[0].farthest - 0.02).abs() < 1e-3);
         let mut still = 0;
         for e in set.examples() {
-            let body = dented(&set, &[push(e.contact_point().into(), e.contact_displacement().into())]);
-            let mut body = body;
+            let own = push(e.contact_point().into(), e.contact_displacement().into());
+            let mut body = dented(&set, InstanceOptions::default(), &[own]);
             let level = Output::fresh_level(&mut body, 1);
             let delta = |v: usize| e.delta(v as u32).as_dvec3();
             for (p, q) in points.iter().zip(&level.positions) {
@@ -104,64 +98,6 @@ fn vertices_between_follow_the_interpolated_displacement() {
 }
 
 #[test]
-fn only_dirty_blocks_of_a_level_are_written() {
-    let mesh = sheet(80);
-    let set = with_lods(mesh.clone(), bowls(&mesh, 6, 0.15, 2), options(None), &[mesh, sheet(12)]);
-    let e = &set.examples()[0];
-    let mut body = new(&set);
-    let mut levels: Vec<Output> = (0..3).map(|lod| Output::level(&set, lod)).collect();
-    for level in &mut levels {
-        let all = level.positions.len() as u64;
-        assert_eq!(level.update(&mut body).vertices_written, all);
-        assert_eq!(level.update(&mut body).vertices_written, 0);
-    }
-    body.submit(&push(e.contact_point().into(), e.contact_displacement().into())).unwrap();
-    for level in &mut levels {
-        let before = level.positions.clone();
-        level.positions.fill([f32::NAN; 3]);
-        let report = level.update(&mut body);
-        assert!(report.blocks_written > 0);
-        if level.lod < 2 {
-            assert!(report.blocks_skipped > 20, "{report:?}");
-        }
-        let written = |v: usize| level.tracker.changed().iter().any(|r| r.contains(&(v as u32)));
-        for v in 0..before.len() {
-            assert_eq!(written(v), !level.positions[v][0].is_nan(), "{v}");
-        }
-        let fresh = Output::fresh_level(&mut body, level.lod);
-        for (v, before) in before.iter().enumerate() {
-            let now = if written(v) { &level.positions[v] } else { before };
-            assert_eq!(now, &fresh.positions[v]);
-        }
-        level.positions = fresh.positions;
-    }
-}
-
-#[test]
-fn all_levels_see_a_hit_whenever_they_are_deformed() {
-    let mesh = ball(2);
-    let set = with_lods(mesh.clone(), bowls(&mesh, 5, 0.5, 7), options(None), &[ball(1), ball(3)]);
-    let mut body = new(&set);
-    let mut levels: Vec<Output> = (0..3).map(|lod| Output::level(&set, lod)).collect();
-    for (frame, hit) in random_hits(&set, 12, 5).iter().enumerate() {
-        body.submit(hit).unwrap();
-        levels[frame % 3].update(&mut body);
-    }
-    for level in &mut levels {
-        level.update(&mut body);
-        assert_eq!(level.position_bits(), Output::fresh_level(&mut body, level.lod).position_bits());
-    }
-    // A tracker and its memory may change levels; then everything is written again.
-    let mut moved = Output::level(&set, 2);
-    moved.tracker = levels[0].tracker.clone();
-    assert_eq!(moved.update(&mut body).vertices_written, moved.positions.len() as u64);
-    assert_eq!(moved.position_bits(), levels[2].position_bits());
-    body.reset();
-    levels[1].update(&mut body);
-    assert_eq!(levels[1].positions, ball(1).positions);
-}
-
-#[test]
 fn seams_of_a_level_stay_closed() {
     let mesh = cube(10);
     for tolerance in [None, Some(1e-4)] {
@@ -169,7 +105,7 @@ fn seams_of_a_level_stay_closed() {
             let groups = coincident(&lod.positions);
             assert!(groups.len() > 50);
             let set = with_lods(mesh.clone(), bowls(&mesh, 6, 0.6, 2), options(tolerance), &[lod]);
-            let mut body = dented(&set, &hits(&set, 6));
+            let mut body = dented(&set, InstanceOptions::default(), &hits(&set, 6));
             let level = Output::fresh_level(&mut body, 1);
             let bits = level.position_bits();
             for g in &groups {
