@@ -3,12 +3,13 @@
 
 mod scenes;
 
+use std::num::NonZeroU64;
 use std::sync::Arc;
 
 use crumple::glam::{Mat4, Vec3, Vec4};
 use crumple::{
-    Attachment, Attribute, Blow, Cause, Contact, Deltas, Encoding, Error, ErrorKind, ExampleData, ExampleSet, Hit,
-    HitStatus, Instance, InstanceOptions, Mark, MeshData, Rule, Selection, Serial, SetOptions, Space, ThreadPool,
+    Attachment, Attribute, BasisOptions, Blow, Cause, Contact, Deltas, Encoding, Error, ErrorKind, ExampleData,
+    ExampleSet, Hit, HitStatus, Instance, InstanceOptions, Mark, MeshData, Rule, Selection, Serial, SetOptions, Space,
     Tracker, VertexMass, VertexMemory, load_all, map_damage, save_all,
 };
 use twox_hash::XxHash3_64;
@@ -150,6 +151,7 @@ fn quick_meshes_that_do_not_hold_together() {
         |i, _| i.0.normals.as_mut().unwrap().truncate(2) => "normals … 2 … 3",
         |i, _| i.0.tangents.as_mut().unwrap().push([1.0, 0.0, 0.0, 1.0]) => "tangents … 4 … 3",
         |i, _| i.2.mass = VertexMass::PerVertex(vec![1.0]) => "1 vertex masses … 3 vertices",
+        |i, _| i.0.depth_limits = Some(vec![1.0; 2]) => "2 depth_limits for 3 positions",
     }
     refuses! { Input, IndexOutOfRange, [3, u32::MAX];
         |i, v| i.0.triangles.push([0, v, 1]) => "triangle 1 … VALUE … below 3",
@@ -166,6 +168,12 @@ fn quick_sets_with_numbers_that_are_none() {
     }
     refuses! { Input, InvalidArgument, [1e30];
         |i, v| i.0.positions[0][0] = v => "positions[0] … 1e9",
+    }
+    refuses! { Input, InvalidArgument, [-1.0, NAN, -INF];
+        |i, v| i.0.depth_limits = Some(vec![0.5, v, 0.5]) => "depth_limits[1] … at least 0 m",
+    }
+    refuses! { Input, InvalidArgument, [-0.1, 1.1, NAN, INF];
+        |i, v| i.0.stiffness = Some(vec![0.5, v, 0.5]) => "stiffness[1] … 0 to 1",
     }
 }
 
@@ -280,6 +288,7 @@ fn quick_options_of_a_set_out_of_range() {
         |i, v| i.2.depth_limit = Some(v) => "depth_limit",
         |i, v| i.2.mass = VertexMass::Uniform(v) => "mass … kg",
         |i, v| i.2.mass = VertexMass::PerVertex(vec![1.0, v, 1.0]) => "mass of vertex 1",
+        |i, v| i.2.basis = Some(BasisOptions { tolerance: v, rounds: 1, nodes: 0 }) => "tolerance",
     }
     refuses! { Input, InvalidArgument, [2e9];
         |i, v| i.2.depth_limit = Some(v) => "depth_limit",
@@ -298,6 +307,12 @@ fn quick_options_of_an_instance_out_of_range() {
     }
     refuses! { InstanceOptions, InvalidArgument, [0.0, -1.0, NAN, INF, 2e9];
         |o, v| o.depth_limit = Some(v) => "depth_limit … m",
+    }
+    refuses! { InstanceOptions, InvalidArgument, [0.0, -1.0, NAN, INF];
+        |o, v| o.compliance = Some(v) => "compliance is VALUE; it must be above 0 and finite, m per N·s",
+    }
+    refuses! { InstanceOptions, InvalidArgument, [0.1];
+        |o, v| *o = InstanceOptions { grow_time: v, ..InstanceOptions::classic(Rule::MostDisplaced) } => "grow_time is VALUE; it must be 0",
     }
     refuses! { InstanceOptions, InvalidArgument, [-1.0, NAN, INF];
         |o, v| o.yield_impulse = v => "yield_impulse … N·s",
@@ -402,42 +417,6 @@ fn quick_hits_that_pull_where_examples_push_reach_nothing() {
 }
 
 #[test]
-fn quick_normals_that_point_at_each_other() {
-    // one example, made at the north pole of a ball, carried to the south pole and to places close to it
-    let mut mesh = scenes::ball(3);
-    let pole = |z: f32| scenes::nearest(&mesh, [0.0, 0.0, z]) as usize;
-    let (north, south) = (pole(1.0), pole(-1.0));
-    let example = scenes::bowl(&mesh, north as u32, 0.1, 0.3);
-    // exactly opposite normals, whatever the triangulation
-    let normals = mesh.normals.as_mut().unwrap();
-    normals[south] = normals[north].map(|x| -x);
-    let set = Arc::new(build(mesh, vec![example]).unwrap());
-    for v in 0..set.vertex_count() {
-        let mut instance = new(&set);
-        let n = set.mesh().contact_normal(v as u32).unwrap();
-        assert_eq!(instance.submit(&push(base(&set, v), (n * -0.05).to_array())).unwrap().status, HitStatus::Marked);
-        instance.fold();
-        let moved = instance.displaced(v as u32).unwrap() - set.mesh().positions()[v];
-        assert!((moved + n * 0.05).length() < 0.003, "vertex {v} moved {moved}");
-    }
-}
-
-#[test]
-fn quick_a_sheet_folded_flat_on_itself() {
-    // every position twice, with opposite normals
-    let mut mesh = scenes::sheet(6);
-    let single = mesh.clone();
-    mesh.positions.extend(&single.positions);
-    mesh.normals.as_mut().unwrap().extend(vec![[0.0, 0.0, -1.0]; single.positions.len()]);
-    mesh.tangents = None;
-    let count = single.positions.len() as u32;
-    mesh.triangles.extend(single.triangles.iter().map(|t| [t[0] + count, t[2] + count, t[1] + count]));
-    let examples = scenes::bowls(&single, 3, 0.4, 2);
-    let set = Arc::new(build(mesh, examples).unwrap());
-    check_sound(&mut dented(&set, InstanceOptions::default(), &scenes::random_hits(&set, 50, 1))).unwrap();
-}
-
-#[test]
 fn quick_transforms_that_cannot_be_undone() {
     let mut instance = instance();
     let mut nan = Mat4::IDENTITY;
@@ -462,6 +441,11 @@ fn quick_calls_out_of_range() {
             refused!(instance.set_depth_limit(Some(bad)), InvalidArgument, "depth_limit");
         }
     }
+    refused!(instance.repair_around([0.0; 3], 0.0, 0.5), InvalidArgument, "radius is 0; it must be above 0");
+    refused!(instance.repair_around([0.0; 3], NAN, 0.5), InvalidArgument, "radius is NaN");
+    refused!(instance.repair_around([0.0; 3], 1.0, 1.5), InvalidArgument, "keep is 1.5");
+    refused!(instance.repair_around([NAN; 3], 1.0, 0.5), NotFinite, "point is");
+    refused!(instance.set_time(f64::INFINITY), NotFinite, "time is inf");
     refused!(instance.displaced(3), IndexOutOfRange, "vertex", "3", "below 3");
     refused!(instance.displaced(u32::MAX), IndexOutOfRange, "4294967295");
     for bad in [NAN, INF] {
@@ -477,19 +461,23 @@ fn quick_calls_out_of_range() {
 }
 
 #[test]
-fn quick_classic_instances_have_no_marks() {
-    let mut instance = with(&set(), InstanceOptions::classic(Rule::MostDisplaced));
-    instance.submit(&good()).unwrap();
-    let error = refused!(instance.marks(), WrongRule, "marks", "Marks", "MostDisplaced");
-    assert_eq!(error.kind(), ErrorKind::WrongRule);
-    refused!(instance.set_marks(&[]), WrongRule, "set_marks");
-    assert!((Output::fresh(&mut instance).positions[0][2] + 0.1).abs() < 1e-6);
-}
-
-#[test]
-fn quick_threads_out_of_range() {
-    refused!(ThreadPool::new(1025), InvalidArgument, "1025", "1024");
-    refused!(ThreadPool::new(usize::MAX), InvalidArgument, "1024");
+fn quick_classic_instances_have_no_marks_contacts_or_parts() {
+    for (rule, name) in [(Rule::MostDisplaced, "MostDisplaced"), (Rule::Blend(0.5), "Blend")] {
+        let mut instance = with(&set(), InstanceOptions::classic(rule));
+        instance.submit(&good()).unwrap();
+        let error = refused!(instance.marks(), WrongRule, "marks", "Marks", name);
+        assert_eq!(error.kind(), ErrorKind::WrongRule);
+        refused!(instance.set_marks(&[]), WrongRule, "set_marks");
+        refused!(instance.repair_around([0.0; 3], 1.0, 0.5), WrongRule, "");
+        let part = good().of_contact(NonZeroU64::MIN);
+        refused!(instance.submit(&part), WrongRule, "");
+        refused!(instance.preview(&part), WrongRule, "");
+        refused!(instance.end_contact(NonZeroU64::MIN), WrongRule, "");
+        refused!(instance.release(1), WrongRule, "");
+        refused!(instance.set_rigid(1, true), WrongRule, "");
+        assert_eq!(instance.contact_count(), 0);
+        assert!((Output::fresh(&mut instance).positions[0][2] + 0.1).abs() < 1e-6);
+    }
 }
 
 // ------------------------------------------------------------------------------------------------------------------ marks
@@ -533,7 +521,7 @@ fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
 }
 
 #[test]
-fn quick_every_flipped_bit_of_saved_damage() {
+fn quick_every_flipped_bit_and_every_other_length_of_saved_damage() {
     let set = scenes_set();
     let other = Arc::new(build(triangle(), vec![dent()]).unwrap());
     for options in [InstanceOptions::default(), InstanceOptions::classic(Rule::MostDisplaced)] {
@@ -551,6 +539,10 @@ fn quick_every_flipped_bit_of_saved_damage() {
             refused!(fresh.load(&flipped(&one, bit)), DamageMismatch, "");
             refused!(map_damage(&set, &set, &flipped(&one, bit), INF), DamageMismatch, "");
         }
+        for len in 0..one.len() {
+            refused!(fresh.load(&one[..len]), DamageMismatch, "bytes");
+        }
+        refused!(fresh.load(&[&one[..], &[0]].concat()), DamageMismatch, "bytes");
         for bit in 0..all.len() * 8 {
             refused!(load_all(&mut [&mut fresh], &flipped(&all, bit), &Serial), DamageMismatch, "");
             // also where it is none of the damage to map
@@ -560,24 +552,6 @@ fn quick_every_flipped_bit_of_saved_damage() {
         load_all(&mut [&mut fresh], &all, &Serial).unwrap();
         assert!(fresh.save() == one);
     }
-}
-
-#[test]
-fn quick_saved_damage_cut_short_or_too_long() {
-    let mut instance = instance();
-    instance.submit(&good()).unwrap();
-    let bytes = instance.save();
-    let marks = instance.marks().unwrap().to_vec();
-    let mut other = new(instance.example_set());
-    for len in 0..bytes.len() {
-        refused!(other.load(&bytes[..len]), DamageMismatch, "bytes");
-    }
-    let mut long = bytes.clone();
-    long.push(0);
-    refused!(other.load(&long), DamageMismatch, "bytes");
-    still_usable(&mut other, &[]);
-    other.load(&bytes).unwrap();
-    still_usable(&mut other, &marks);
 }
 
 #[test]

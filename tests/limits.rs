@@ -1,4 +1,5 @@
-//! Depth limits and stiffness of single vertices. `widths.rs` has SIMD levels, `format.rs` files with limits, and `oracle_rules.rs` seams.
+//! Depth limits and stiffness of single vertices. `widths.rs` has SIMD levels, `format.rs` files with limits,
+//! `oracle_rules.rs` seams, and `bad_input.rs` wrong values.
 
 mod scenes;
 
@@ -101,12 +102,11 @@ fn a_closed_mesh_keeps_out_as_its_solid() {
     assert!(inside > 20 && report.inside == inside);
     let Solid::Mesh { positions, mut triangles } = solid else { panic!() };
     triangles.pop();
-    let open = mesh_error(sheet(3).keep_out(&[Solid::Mesh { positions, triangles }], &Serial));
-    assert!(open.contains("3 open edges"), "{open}");
-}
-
-fn mesh_error<T: std::fmt::Debug>(result: Result<T, Error>) -> String {
-    result.unwrap_err().to_string()
+    let capsule = Solid::Capsule { a: [0.0; 3], b: [0.0; 3], radius: -1.0 };
+    for (solid, why) in [(Solid::Mesh { positions, triangles }, "3 open edges"), (capsule, "radius of solid 0")] {
+        let error = sheet(3).keep_out(&[solid], &Serial).unwrap_err().to_string();
+        assert!(error.contains(why), "{error}");
+    }
 }
 
 #[test]
@@ -146,27 +146,6 @@ fn normals_of_vertices_that_cannot_move_stay() {
         }
         assert!(turned_at_rest > 10, "{turned_at_rest}");
     }
-}
-
-#[test]
-fn wrong_values_are_named() {
-    let build = |change: &dyn Fn(&mut MeshData)| {
-        let mut mesh = sheet(5);
-        change(&mut mesh);
-        mesh_error(ExampleSet::build(mesh.clone(), examples(&mesh), SetOptions::default(), &Serial))
-    };
-    let with = |x: f32| (0..25).map(|v| if v == 7 { x } else { 0.5 }).collect::<Vec<f32>>();
-    for x in [-1.0, f32::NAN, f32::NEG_INFINITY] {
-        let error = build(&|m| m.depth_limits = Some(with(x)));
-        assert!(error.contains("depth_limits[7]") && error.contains("at least 0 m"), "{error}");
-    }
-    for x in [-0.1, 1.1, f32::NAN, f32::INFINITY] {
-        let error = build(&|m| m.stiffness = Some(with(x)));
-        assert!(error.contains("stiffness[7]") && error.contains("0 to 1"), "{error}");
-    }
-    assert!(build(&|m| m.depth_limits = Some(vec![1.0; 24])).contains("24 depth_limits for 25 positions"));
-    let capsule = Solid::Capsule { a: [0.0; 3], b: [0.0; 3], radius: -1.0 };
-    assert!(mesh_error(sheet(3).keep_out(&[capsule], &Serial)).contains("radius of solid 0"));
 }
 
 #[test]

@@ -136,7 +136,7 @@ fn spoilt_meshes_are_bounded_watertight_and_free_of_order() {
             .to_vec()
     };
     type Spoil = fn(&mut MeshData);
-    let spoils: [(&str, Spoil); 9] = [
+    let spoils: [(&str, Spoil); 10] = [
         ("equal corners", |m| m.triangles.extend((0..100).map(|v| [v, v, v + 1]))),
         ("no area", |m| m.triangles.extend((0..100).map(|v| [v, v + 1, v + 2]))),
         ("every triangle twice", |m| m.triangles.extend(m.triangles.clone())),
@@ -154,6 +154,11 @@ fn spoilt_meshes_are_bounded_watertight_and_free_of_order() {
             let fins: Vec<_> = m.positions.iter().map(|p| [p[0], p[1], 0.1]).collect();
             m.positions.extend(fins);
             m.triangles.extend((0..n - 1).map(|v| [v, v + 1, n + v]));
+        }),
+        ("folded flat on itself", |m| {
+            let n = m.positions.len() as u32;
+            m.positions.extend(m.positions.clone());
+            m.triangles.extend(m.triangles.clone().iter().map(|[a, b, c]| [n + a, n + c, n + b]));
         }),
         ("unused vertices", |m| m.positions.extend([[0.0, 0.0, 3.0]; 50])),
         ("no triangles", |m| m.triangles.clear()),
