@@ -2,12 +2,12 @@
 #![cfg(feature = "gltf")]
 
 mod import_glb;
+mod scenes;
 
 use crumple::import::{Imported, MeshChoice, Patterns, Reading, apply_extras, gltf_file, gltf_slice};
 use crumple::{Blow, Contact, Deltas, Error, ErrorKind, ExampleData, Striker};
 use import_glb::{Glb, SQUARE, UP, bytes, fixture, sparse, square};
 use serde_json::{Value, json};
-use std::collections::HashMap;
 
 fn blender(name: &str) -> Imported {
     gltf_file(&fixture(name), MeshChoice::First).unwrap()
@@ -59,17 +59,14 @@ fn assert_dent(
 /// Asserts that vertices at one position, split by UV seams, hard edges and material borders, move alike. Returns the
 /// number of such positions.
 fn assert_watertight(imported: &Imported) -> usize {
-    let mut places: HashMap<[u32; 3], Vec<usize>> = HashMap::new();
-    for (v, p) in imported.mesh.positions.iter().enumerate() {
-        places.entry(p.map(|x| (x + 0.0).to_bits())).or_default().push(v);
-    }
+    let places = scenes::coincident(&imported.mesh.positions);
     for example in &imported.examples {
         let deltas = dense(&example.positions, imported.mesh.positions.len());
-        for twins in places.values() {
+        for twins in &places {
             assert!(twins.iter().all(|v| deltas[*v] == deltas[twins[0]]), "{} tears {twins:?}", example.name);
         }
     }
-    places.values().filter(|twins| twins.len() > 1).count()
+    places.len()
 }
 
 #[test]
