@@ -59,8 +59,7 @@ fn any_marks(set: &ExampleSet, count: usize, dice: &mut Dice) -> Vec<Mark> {
         let depth = set.depth_limit() * dice.between(0.01, 2.0);
         let energy = [1 << 20, Mark::ONE, 5 * Mark::ONE][dice.index(3)];
         let (contact, direction) = (dice.index(set.vertex_count()) as u32, [dice.next() as u16, dice.next() as u16]);
-        let (told, striker, strength, mass, radius, reserved) = (0, 0, 0, 0, 0, 0);
-        all.push(Mark { contact, depth, energy, told, striker, direction, strength, mass, radius, reserved });
+        all.push(Mark { contact, depth, energy, direction, ..bytemuck::Zeroable::zeroed() });
     }
     all
 }
