@@ -3,7 +3,6 @@
 use super::host_buffers::{BufferDef, BufferId, BufferWindow, HostBuffers};
 use super::memory::OwnBuffer;
 use super::pipelines::{DescriptorSet, VulkanPipelines};
-use super::record::Barriers;
 use super::staging::{FrameSlot, MeshArena};
 use super::target::{ClassicState, Target, TargetBinding, TargetDef};
 use super::vulkan_device::{DeviceDef, VulkanDevice};
@@ -29,6 +28,19 @@ pub struct Device {
     pub(super) completed: u64,
     pub(super) plan: Plan<TargetBinding>,
     pub(super) barriers: Barriers,
+}
+
+/// The barriers of a recording. The lists are reused.
+#[derive(Default)]
+pub(super) struct Barriers {
+    /// Buffers that another queue family owns.
+    pub foreign: Vec<BufferId>,
+    /// Before the dispatches, and the stages that they wait for.
+    pub before: Vec<vk::BufferMemoryBarrier<'static>>,
+    pub from: vk::PipelineStageFlags,
+    /// After the dispatches, and the stages that wait for them.
+    pub after: Vec<vk::BufferMemoryBarrier<'static>>,
+    pub to: vk::PipelineStageFlags,
 }
 
 impl fmt::Debug for Device {

@@ -3,15 +3,13 @@
 use super::functions::{failed, not_made};
 use super::host_buffers::{Access, BufferDef, BufferId};
 use super::own::OwnDevice;
-use super::own_handles::OwnHandles;
-use super::shared::{Shared, duplicate};
+use super::shared::{ImportedBuffer, SemaphoreId, Shared, duplicate};
 use crate::base::error::Error;
 use crate::base::strided::Strided;
 use ash::vk;
 use std::mem::ManuallyDrop;
 #[cfg(unix)]
 use std::os::fd::AsRawFd;
-use std::sync::Arc;
 
 #[cfg(not(windows))]
 const MEMORY: vk::ExternalMemoryHandleTypeFlags = vk::ExternalMemoryHandleTypeFlags::OPAQUE_FD;
@@ -39,30 +37,6 @@ pub struct ImportDef {
     pub size: u64,
     /// The usage that the host made the buffer with. It must have the flag `STORAGE_BUFFER`.
     pub usage: vk::BufferUsageFlags,
-}
-
-/// The id of an imported semaphore.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct SemaphoreId(
-    /// The index plus one; in the upper half the device's id.
-    pub(crate) u64,
-);
-
-/// A buffer in imported memory. It is dropped once nothing uses it.
-pub(super) struct ImportedBuffer {
-    own: Arc<OwnHandles>,
-    buffer: vk::Buffer,
-    memory: vk::DeviceMemory,
-}
-
-impl Drop for ImportedBuffer {
-    fn drop(&mut self) {
-        // SAFETY: nothing uses it any more; null handles are ignored.
-        unsafe {
-            self.own.device.destroy_buffer(self.buffer, None);
-            self.own.device.free_memory(self.memory, None);
-        }
-    }
 }
 
 impl OwnDevice {

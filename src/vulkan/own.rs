@@ -4,9 +4,9 @@
 use super::device::Device;
 use super::functions::failed;
 use super::host_buffers::BufferId;
-use super::import::{ImportedBuffer, SemaphoreId};
 use super::own_handles::{OwnHandles, OwnInstance};
 use super::record::{RecordJob, RecordReport};
+use super::shared::{ImportedBuffer, SemaphoreId};
 use super::vulkan_device::DeviceDef;
 use crate::base::error::Error;
 use ash::vk;

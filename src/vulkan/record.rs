@@ -1,7 +1,6 @@
 //! Records a frame: copies, barriers and dispatches for what changed.
 
-use super::device::Device;
-use super::host_buffers::BufferId;
+use super::device::{Barriers, Device};
 use super::memory::{BufferUse, OwnBuffer};
 use super::staging::FrameSlot;
 use super::target::{ClassicState, Target};
@@ -18,19 +17,6 @@ use std::sync::atomic::{AtomicU64, Ordering};
 const SHADER_WRITE: vk::AccessFlags = vk::AccessFlags::SHADER_WRITE;
 /// The stage of the kernels.
 const COMPUTE: vk::PipelineStageFlags = vk::PipelineStageFlags::COMPUTE_SHADER;
-
-/// The barriers of a recording. The lists are reused.
-#[derive(Default)]
-pub(super) struct Barriers {
-    /// Buffers that another queue family owns.
-    foreign: Vec<BufferId>,
-    /// Before the dispatches, and the stages that they wait for.
-    before: Vec<vk::BufferMemoryBarrier<'static>>,
-    from: vk::PipelineStageFlags,
-    /// After the dispatches, and the stages that wait for them.
-    after: Vec<vk::BufferMemoryBarrier<'static>>,
-    to: vk::PipelineStageFlags,
-}
 
 /// A target to bring up to date.
 pub type RecordJob<'a> = Job<'a, Target>;

@@ -1,6 +1,9 @@
-//! What the host's device shares: handles of exported memory and semaphores.
+//! What the host's device shares: handles of exported memory and semaphores, and what is made of them.
 
+use super::own_handles::OwnHandles;
 use crate::base::error::Error;
+use ash::vk;
+use std::sync::Arc;
 
 /// An exported handle of the host.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -11,6 +14,30 @@ pub enum Shared {
     OpaqueFd(i32),
     /// A Windows handle, `…_OPAQUE_WIN32_BIT`. Windows only. This was never run.
     OpaqueWin32(isize),
+}
+
+/// The id of an imported semaphore.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SemaphoreId(
+    /// The index plus one; in the upper half the device's id.
+    pub(crate) u64,
+);
+
+/// A buffer in imported memory. It is dropped once nothing uses it.
+pub(super) struct ImportedBuffer {
+    pub own: Arc<OwnHandles>,
+    pub buffer: vk::Buffer,
+    pub memory: vk::DeviceMemory,
+}
+
+impl Drop for ImportedBuffer {
+    fn drop(&mut self) {
+        // SAFETY: nothing uses it any more; null handles are ignored.
+        unsafe {
+            self.own.device.destroy_buffer(self.buffer, None);
+            self.own.device.free_memory(self.memory, None);
+        }
+    }
 }
 
 /// A duplicate of the host's handle. Dropping it closes it.
