@@ -1,10 +1,9 @@
 //! Where a test puts a mesh's vertices, and what they should be there.
 
-use crumple::{ExampleSet, Instance};
+use crumple::{DeformJob, ExampleSet, Instance, Serial, Tracker, VertexMemory, deform};
 
 use super::compare::{Bounds, Expected};
 use crate::backend::{Attribute, BufferRef, Def, Encoding, Stream, encode, format};
-use crate::scenes::Output;
 
 pub const ATTRIBUTES: [Attribute; 3] = [Attribute::Position, Attribute::Normal, Attribute::Tangent];
 
@@ -80,12 +79,19 @@ impl TestLayout {
     /// Writes what the buffer should hold: the CPU's vertices, converted.
     pub fn expect(&self, instance: &mut Instance, to: &mut Expected) {
         let bounds = Bounds::of(instance);
-        let Output { positions: p, normals: n, tangents: t, .. } = Output::fresh_level(instance, self.lod);
+        let mesh = instance.example_set().lod_mesh(self.lod).unwrap();
+        let count = mesh.positions().len();
+        let (mut p, mut n, mut t) = (vec![[0.0; 3]; count], vec![[0.0; 3]; count], vec![[0.0; 4]; count]);
+        let normals = mesh.normals().map(|_| n.as_mut_slice());
+        let tangents = mesh.tangents().map(|_| t.as_mut_slice());
+        let memory = VertexMemory::separate(&mut p, normals, tangents).unwrap();
+        let mut tracker = Tracker::new();
+        deform(&mut [DeformJob { lod: self.lod, instance, tracker: &mut tracker, memory }], &Serial).unwrap();
         let (scale, bias) = match self.streams[0].unwrap().1 {
             Encoding::Snorm16x4 => (self.scale, self.bias),
             _ => ([1.0; 3], [0.0; 3]),
         };
-        for v in 0..p.len() {
+        for v in 0..count {
             let [x, y, z] = [0, 1, 2].map(|i| (p[v][i] - bias[i]) / scale[i]);
             let values = [[x, y, z, 1.0], [n[v][0], n[v][1], n[v][2], 0.0], t[v]];
             for (i, value) in values.into_iter().enumerate() {
