@@ -139,7 +139,11 @@ pub(crate) fn map<T: Send, U: Send>(
     items: impl IntoIterator<Item = T>,
     f: impl Fn(T) -> U + Sync,
 ) -> Vec<U> {
-    let slots: Vec<_> = items.into_iter().map(|item| Mutex::new((Some(item), None))).collect();
+    let items = items.into_iter();
+    if items.size_hint() == (1, Some(1)) {
+        return items.map(f).collect();
+    }
+    let slots: Vec<_> = items.map(|item| Mutex::new((Some(item), None))).collect();
     run_each(tasks, slots.len(), &|i| {
         let mut slot = slots[i].lock().unwrap_or_else(PoisonError::into_inner);
         slot.1 = slot.0.take().map(&f);

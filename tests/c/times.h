@@ -18,7 +18,11 @@ typedef struct Histogram {
 
 static inline double own_seconds(void) {
     struct timespec now;
+#ifdef _WIN32
+    clock_gettime(CLOCK_MONOTONIC, &now); // the thread's own time has steps of 16 ms there
+#else
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+#endif
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
@@ -61,7 +65,7 @@ typedef struct Call {
 static inline void start_measuring(Call *call) {
     double least = 1;
     for (int i = 0; i < 20; ++i) least = fmin(least, time_of_work(100000));
-    call->steps = (unsigned long long)(quantile(&call->times, 0.5) / least * 100000) + 1;
+    call->steps = (unsigned long long)(quantile(&call->times, 0.5) / fmax(least, 1e-6) * 100000) + 1;
     memset(&call->times, 0, sizeof call->times);
     memset(&call->work, 0, sizeof call->work);
 }
