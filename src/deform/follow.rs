@@ -75,15 +75,16 @@ unsafe fn in_units<S: Simd>(v: [S::I; 3], unit: S::F) -> V<S> {
 /// The undeformed unit normals of a block, and where to write them.
 pub(crate) type Normals<'a> = Option<(&'a Flat, &'a mut Flat)>;
 
-/// Writes deformed positions, and unit normals if they are wanted, of the block's vertices: [`TILE`] are `GROUPS` times the lanes.
+/// Writes deformed positions, and with `NORMALS` unit normals, of the block's vertices: [`TILE`] are `GROUPS` times the lanes.
 /// `moves` is memory to use. Returns the bounds of the positions.
 #[inline(always)]
-pub(crate) unsafe fn follow<S: Simd, const GROUPS: usize>(
+pub(crate) unsafe fn follow<S: Simd, const GROUPS: usize, const NORMALS: bool>(
     block: &Following<'_>,
     moves: &mut Moves,
     positions: &mut Flat,
-    mut normals: Normals<'_>,
+    normals: Normals<'_>,
 ) -> (Vec3, Vec3) {
+    let mut normals = normals.filter(|_| NORMALS);
     const { assert!(GROUPS * S::LANES == TILE) };
     assert!(block.len <= BLOCK);
     // SAFETY: guaranteed by the caller; the lanes lie in a tile, which lies in the block.

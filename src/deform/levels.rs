@@ -23,9 +23,13 @@ macro_rules! compiled {
 }
 
 compiled!(octahedral_avx2, "avx2", kernel::octahedral::<Avx2>, (normals: &Flat, to: &mut [u32; BLOCK]) -> ());
-compiled!(follow_avx2, "avx2", follow::follow::<Avx2, 2>,
+compiled!(follow_avx2, "avx2", follow::follow::<Avx2, 2, false>,
     (block: &Following<'_>, moves: &mut Moves, positions: &mut Flat, normals: Normals<'_>) -> Bounds);
-compiled!(follow_avx512, "avx512f,avx512bw,avx512dq,avx512vl,avx2", follow::follow::<Avx512, 1>,
+compiled!(follow_normals_avx2, "avx2", follow::follow::<Avx2, 2, true>,
+    (block: &Following<'_>, moves: &mut Moves, positions: &mut Flat, normals: Normals<'_>) -> Bounds);
+compiled!(follow_avx512, "avx512f,avx512bw,avx512dq,avx512vl,avx2", follow::follow::<Avx512, 1, false>,
+    (block: &Following<'_>, moves: &mut Moves, positions: &mut Flat, normals: Normals<'_>) -> Bounds);
+compiled!(follow_normals_avx512, "avx512f,avx512bw,avx512dq,avx512vl,avx2", follow::follow::<Avx512, 1, true>,
     (block: &Following<'_>, moves: &mut Moves, positions: &mut Flat, normals: Normals<'_>) -> Bounds);
 
 /// [`follow::follow`].
@@ -33,12 +37,17 @@ compiled!(follow_avx512, "avx512f,avx512bw,avx512dq,avx512vl,avx2", follow::foll
 pub(crate) fn follow(block: &Following<'_>, moves: &mut Moves, positions: &mut Flat, normals: Normals<'_>) -> Bounds {
     // SAFETY: a level is in use only if the processor supports it.
     unsafe {
-        match SimdLevel::current() {
+        match (SimdLevel::current(), normals.is_some()) {
             #[cfg(target_arch = "x86_64")]
-            SimdLevel::Avx512 => follow_avx512(block, moves, positions, normals),
+            (SimdLevel::Avx512, false) => follow_avx512(block, moves, positions, normals),
             #[cfg(target_arch = "x86_64")]
-            SimdLevel::Avx2 => follow_avx2(block, moves, positions, normals),
-            _ => follow::follow::<Portable, 2>(block, moves, positions, normals),
+            (SimdLevel::Avx512, true) => follow_normals_avx512(block, moves, positions, normals),
+            #[cfg(target_arch = "x86_64")]
+            (SimdLevel::Avx2, false) => follow_avx2(block, moves, positions, normals),
+            #[cfg(target_arch = "x86_64")]
+            (SimdLevel::Avx2, true) => follow_normals_avx2(block, moves, positions, normals),
+            (_, false) => follow::follow::<Portable, 2, false>(block, moves, positions, normals),
+            (_, true) => follow::follow::<Portable, 2, true>(block, moves, positions, normals),
         }
     }
 }
