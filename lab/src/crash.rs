@@ -93,13 +93,24 @@ impl Model {
         }
         Ok(Model { car, bumper: bumper.context("the car has no bumper_front")?, glass })
     }
-}
 
-impl Model {
+    /// The vertices of a part before the crash.
+    fn at_rest(&self, part: usize) -> &[Vec3] {
+        &self.car.set.mesh().positions()[self.car.levels[0].parts[part].vertices()]
+    }
+
     /// Whether a pane looks ahead or back.
     fn is_windscreen(&self, part: usize) -> bool {
-        let Aabb { min, max } = Aabb::of(&self.car.set.mesh().positions()[self.car.levels[0].parts[part].vertices()]);
+        let Aabb { min, max } = Aabb::of(self.at_rest(part));
         min.x < 0.0 && max.x > 0.0
+    }
+
+    /// Where the vertex of a part was that has moved furthest.
+    fn most_moved(&self, part: usize, dented: &Dented) -> Option<Vec3> {
+        let now = &dented.positions[self.car.levels[0].parts[part].vertices()];
+        let moved = |(was, now): (&Vec3, &[f32; 3])| (*was, was.distance(Vec3::from(*now)));
+        let all = self.at_rest(part).iter().zip(now).map(moved);
+        all.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(was, _)| was)
     }
 }
 
@@ -115,8 +126,8 @@ struct Crashed {
     /// When it first was hit, s.
     at: f32,
     bumper: Option<Bumper>,
-    /// Parts of the set that are broken.
-    broken: Vec<usize>,
+    /// Meshes of the set that are broken, and where.
+    broken: Vec<(usize, Vec3)>,
 }
 
 struct Scene {
@@ -183,9 +194,10 @@ impl Scene {
         for crashed in &mut self.cars {
             let dented = &mut crashed.car.dented;
             dented.deform(pool)?;
-            for (part, _) in &model.glass {
-                if !crashed.broken.contains(part) && dented.instance.measure(*part)?.deepest > GLASS_HOLDS {
-                    crashed.broken.push(*part);
+            for (lod, part) in &model.glass {
+                let is_broken = crashed.broken.iter().any(|(broken, _)| broken == lod);
+                if !is_broken && dented.instance.measure(*lod)?.deepest > GLASS_HOLDS {
+                    crashed.broken.extend(model.most_moved(*part, dented).map(|at| (*lod, at)));
                 }
             }
             if crashed.bumper.is_none() && dented.instance.measure(model.bumper.0)?.deepest > BUMPER_HOLDS {
@@ -200,7 +212,7 @@ impl Scene {
             let place = pose(&self.world, crashed.car.dented.body);
             for i in 0..model.car.levels[0].parts.len() {
                 let glass = model.glass.iter().find(|(_, of)| *of == i);
-                let is_broken = glass.is_some_and(|(lod, _)| crashed.broken.contains(lod));
+                let broken = glass.and_then(|(lod, _)| crashed.broken.iter().find(|(broken, _)| broken == lod));
                 let coat = |coat: f32| match coat {
                     coat if coat == model.car.paint as f32 => own,
                     coat => coat,
@@ -215,15 +227,11 @@ impl Scene {
                 };
                 let first = shown.triangles.len();
                 shown.add((&model.car, 0, i), dented, at, coat)?;
-                if is_broken {
+                if let Some((_, broke)) = broken {
                     // Side windows fall out, and windscreens hold together.
                     let pane = shown.triangles.split_off(first);
                     if model.is_windscreen(i) {
-                        let vertices = model.car.levels[0].parts[i].vertices();
-                        let at_rest = &model.car.set.mesh().positions()[vertices.clone()];
-                        let moved = |v: usize| Vec3::from(dented.positions[vertices.start + v]).distance(at_rest[v]);
-                        let broke = (0..at_rest.len()).max_by(|a, b| moved(*a).total_cmp(&moved(*b)));
-                        shown.cracked(&pane, at_rest, at_rest[broke.unwrap_or(0)], steel + 1);
+                        shown.cracked(&pane, model.at_rest(i), *broke, steel + 1);
                     }
                 }
             }

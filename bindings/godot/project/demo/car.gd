@@ -12,6 +12,8 @@ const GLASS_HOLDS := 0.012
 ## A bumper holds until a vertex of it has moved this far, m.
 const BUMPER_HOLDS := 0.1
 const BUMPER_MASS := 12.0
+## How far parts move at most before they break or fall off, m.
+const REACH := 0.3
 
 
 ## A surface of the body's mesh.
@@ -20,6 +22,8 @@ class Surface:
 	## Its first vertex in the set.
 	var first: int
 	var vertices: PackedVector3Array
+	## It stays within this box.
+	var near: AABB
 
 	## How far the vertex has moved that moved furthest, m. It looks at each eighth.
 	func deepest(body: CrumpleMeshInstance3D) -> float:
@@ -30,7 +34,9 @@ class Surface:
 
 	## Whether a vertex of it is at a point now.
 	func is_at(point: Vector3, body: CrumpleMeshInstance3D) -> bool:
-		return range(vertices.size()).any(func(v: int) -> bool: return body.get_vertex(first + v) == point)
+		return near.has_point(point) and range(vertices.size()).any(
+			func(v: int) -> bool: return body.get_vertex(first + v) == point
+		)
 
 
 class Wheel:
@@ -101,6 +107,7 @@ func take_apart(model: Node) -> ArrayMesh:
 			surface.index = mesh.get_surface_count()
 			surface.first = first
 			surface.vertices = arrays[Mesh.ARRAY_VERTEX]
+			surface.near = part.mesh.get_aabb().grow(REACH)
 			first += surface.vertices.size()
 			surfaces.append(surface)
 			if material.resource_name.begins_with("glass"):
@@ -178,14 +185,20 @@ func reset() -> void:
 
 
 func _dented(point: Vector3, _displacement: Vector3) -> void:
-	for pane in panes:
+	for pane in panes.filter(is_whole):
 		if pane.is_at(point, body) or pane.deepest(body) > GLASS_HOLDS:
 			body.set_surface_override_material(pane.index, broken)
 	for bumper: Array[Surface] in bumpers:
-		var is_on := body.get_surface_override_material(bumper[0].index) == null
-		if is_on and bumper.any(func(s: Surface) -> bool: return s.deepest(body) > BUMPER_HOLDS):
+		if bumper.all(is_whole) and bumper.any(func(s: Surface) -> bool: return s.deepest(body) > BUMPER_HOLDS):
+			for surface in bumper:
+				body.set_surface_override_material(surface.index, unseen)
 			# Not within a step of physics.
 			take_off.call_deferred(bumper)
+
+
+## Whether a surface is neither broken nor off.
+func is_whole(surface: Surface) -> bool:
+	return body.get_surface_override_material(surface.index) == null
 
 
 ## Makes surfaces of the body a body of their own, as dented as they are.
@@ -198,7 +211,6 @@ func take_off(surfaces: Array[Surface]) -> void:
 		mesh.add_surface_from_arrays(Mesh.PRIMITIVE_TRIANGLES, arrays)
 		mesh.surface_set_material(mesh.get_surface_count() - 1, body.mesh.surface_get_material(surface.index))
 		hull.points += arrays[Mesh.ARRAY_VERTEX]
-		body.set_surface_override_material(surface.index, unseen)
 	var centre := mesh.get_aabb().get_center()
 	var bumper := RigidBody3D.new()
 	bumper.mass = BUMPER_MASS
