@@ -1,7 +1,6 @@
 //! The project's car in films: Rapier moves it, the contact layer tells of its contacts, and Crumple writes the vertices that are drawn.
 
 use std::fs;
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -169,10 +168,6 @@ impl Model {
     }
 }
 
-fn triangles_of(part: &Part) -> Range<u32> {
-    part.first_triangle..part.first_triangle + part.triangle_count
-}
-
 fn is_wheel(part: &Part) -> bool {
     part.name.starts_with("wheel_")
 }
@@ -337,10 +332,10 @@ impl Shown {
         self.normals.extend(normals[own.clone()].iter().map(|n| at.transform_vector3(Vec3::from_array(*n))));
         self.coat_of.extend(coat_of[own].iter().map(|of| coat(*of)));
         let triangles = model.set.lod_mesh(lod)?.triangles();
-        let panes: Vec<_> = parts.iter().filter(|p| p.kind == PartKind::Glass).map(triangles_of).collect();
-        let is_pane = |t: &u32| part.kind != PartKind::Glass && panes.iter().any(|pane| pane.contains(t));
-        let own = triangles_of(part).filter(|t| !is_pane(t));
-        self.triangles.extend(own.map(|t| triangles[t as usize].map(|v| v - part.first_vertex + first)));
+        let panes: Vec<_> = parts.iter().filter(|p| p.kind == PartKind::Glass).map(Part::triangles).collect();
+        let is_pane = |t: &usize| part.kind != PartKind::Glass && panes.iter().any(|pane| pane.contains(t));
+        let own = part.triangles().filter(|t| !is_pane(t));
+        self.triangles.extend(own.map(|t| triangles[t].map(|v| v - part.first_vertex + first)));
         Ok(())
     }
 

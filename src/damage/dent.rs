@@ -1,8 +1,8 @@
 //! A dent: a mark placed on the body. A pure function of the marks and the set.
 //!
-//! Hits on a dented place deepen it less. `n` hits of depth `T` at one place leave a dent `T n^(1/p)` deep. So the energy of a mark, in hits of another mark's
-//! depth, goes with the depth to the power `p`. For marks `m` and `j` with contacts `c`, depths `T`, energies `n` and
-//! fields `u` of one hit alone:
+//! Hits on a dented place deepen it less. `n` hits of depth `T` at one place leave a dent `T n^(1/p)` deep. So the energy of
+//! a mark, in hits of another mark's depth, goes with the depth to the power `p`. For marks `m` and `j` with contacts `c`,
+//! depths `T`, energies `n` and fields `u` of one hit alone:
 //!
 //! ```text
 //! o_mj     = clamp((max(|u_j(c_m)| / |u_j(c_j)|, |u_m(c_j)| / |u_m(c_m)|) - 0.3) / 0.7, 0, 1)     o_mm = 1

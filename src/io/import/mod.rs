@@ -174,6 +174,11 @@ impl Part {
     pub fn vertices(&self) -> Range<usize> {
         self.first_vertex as usize..(self.first_vertex + self.vertex_count) as usize
     }
+
+    /// The indices of its triangles in the joined mesh.
+    pub fn triangles(&self) -> Range<usize> {
+        self.first_triangle as usize..(self.first_triangle + self.triangle_count) as usize
+    }
 }
 
 impl Imported {
@@ -182,8 +187,7 @@ impl Imported {
     pub fn part_meshes(&self) -> Vec<MeshData> {
         let mesh = |part: &Part| {
             let own = part.vertices();
-            let first = part.first_triangle as usize;
-            let triangles = &self.mesh.triangles[first..first + part.triangle_count as usize];
+            let triangles = &self.mesh.triangles[part.triangles()];
             MeshData {
                 positions: self.mesh.positions[own.clone()].to_vec(),
                 normals: self.mesh.normals.as_ref().map(|normals| normals[own.clone()].to_vec()),
