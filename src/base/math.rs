@@ -161,29 +161,12 @@ pub(crate) fn small_whole(x: f32) -> i32 {
     (x + MAGIC).to_bits() as i32 - MAGIC.to_bits() as i32
 }
 
-/// Four points, worked on side by side: x, y and z of each.
-pub(crate) type Four = [Vec4; 3];
-
-/// The first four points. Missing ones have `other` as coordinates.
+/// The greatest whole number that is not above one from 0 to 2^22; of others, any number.
 #[inline(always)]
-pub(crate) fn side_by_side(points: &[Vec3], other: f32) -> Four {
-    let mut out = [[other; 4]; 3];
-    for (i, p) in points.iter().take(4).enumerate() {
-        (0..3).for_each(|k| out[k][i] = p[k]);
-    }
-    out.map(Vec4::from)
-}
-
-/// Their products with a vector.
-#[inline(always)]
-pub(crate) fn dots(points: &Four, v: Vec3) -> Vec4 {
-    points[0] * v.x + points[1] * v.y + points[2] * v.z
-}
-
-/// Their squared lengths.
-#[inline(always)]
-pub(crate) fn squares(points: &Four) -> Vec4 {
-    points[0] * points[0] + points[1] * points[1] + points[2] * points[2]
+pub(crate) fn small_floor(x: f32) -> f32 {
+    const ONES: f32 = 8_388_608.0; // 2^23
+    let near = (x + ONES) - ONES;
+    if near > x { near - 1.0 } else { near }
 }
 
 /// The first numbers of four vectors, their second numbers, and so on.
@@ -193,55 +176,55 @@ pub(crate) fn transposed([a, b, c, d]: [Vec4; 4]) -> [Vec4; 4] {
     [columns.x_axis, columns.y_axis, columns.z_axis, columns.w_axis]
 }
 
-/// Added to a number from 0 to 2^22, it leaves the nearest whole one in the lowest bits.
-const TO_BITS: Vec4 = Vec4::splat(8_388_608.0); // 2^23
-
-/// The nearest whole numbers of some from 0 to 2^22; of others, any that is not below 0.
-#[inline(always)]
-pub(crate) fn small_wholes(x: Vec4) -> [i32; 4] {
-    (x + TO_BITS).to_array().map(|x| x.to_bits() as i32 & 0x7F_FFFF)
+/// Work on many numbers, compiled for several instruction sets: [`Work::run`] and what it calls must be inlined.
+pub(crate) trait Work {
+    type Done;
+    fn run(self) -> Self::Done;
 }
 
-/// The greatest whole numbers that are not above some from 0 to 2^22.
-#[inline(always)]
-pub(crate) fn small_floors(x: Vec4) -> Vec4 {
-    let near = (x + TO_BITS) - TO_BITS;
-    Vec4::select(near.cmpgt(x), near - Vec4::ONE, near)
-}
-
-/// Adds up to four rows of small whole numbers, each times its factor, one after the other. Vectors are as wide as the processor has them,
-/// and the bits are the same.
-pub(crate) fn add_rows(to: &mut [f32], factors: &[f32; 4], rows: &[i16]) {
+/// Does the work with vectors as wide as the processor has them. The bits are the same.
+pub(crate) fn widest<W: Work>(work: W) -> W::Done {
     #[cfg(target_arch = "x86_64")]
     {
         #[target_feature(enable = "avx2")]
-        fn wide(to: &mut [f32], factors: &[f32; 4], rows: &[i16]) {
-            add_rows_here(to, factors, rows);
+        fn wide<W: Work>(work: W) -> W::Done {
+            work.run()
         }
         if std::arch::is_x86_feature_detected!("avx2") {
             // SAFETY: the processor has these instructions.
-            return unsafe { wide(to, factors, rows) };
+            return unsafe { wide(work) };
         }
     }
-    add_rows_here(to, factors, rows);
+    work.run()
 }
 
-/// The same with the caller's instructions.
-#[inline(always)]
-fn add_rows_here(to: &mut [f32], factors: &[f32; 4], rows: &[i16]) {
-    let n = to.len();
-    // Four rows at a time take half the reads and writes.
-    if rows.len() == 4 * n {
-        let ((ab, cd), [ka, kb, kc, kd]) = (rows.split_at(2 * n), *factors);
-        let ((a, b), (c, d)) = (ab.split_at(n), cd.split_at(n));
-        for ((((t, a), b), c), d) in to.iter_mut().zip(a).zip(b).zip(c).zip(d) {
-            let sum = *t + ka * f32::from(*a) + kb * f32::from(*b);
-            *t = sum + kc * f32::from(*c) + kd * f32::from(*d);
+/// Adds up to four rows of small whole numbers to `to`, each times its factor, one after the other.
+pub(crate) struct AddRows<'a> {
+    pub to: &'a mut [f32],
+    pub factors: [f32; 4],
+    pub rows: &'a [i16],
+}
+
+impl Work for AddRows<'_> {
+    type Done = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let AddRows { to, factors, rows } = self;
+        let n = to.len();
+        // Four rows at a time take half the reads and writes.
+        if rows.len() == 4 * n {
+            let ((ab, cd), [ka, kb, kc, kd]) = (rows.split_at(2 * n), factors);
+            let ((a, b), (c, d)) = (ab.split_at(n), cd.split_at(n));
+            for ((((t, a), b), c), d) in to.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+                let sum = *t + ka * f32::from(*a) + kb * f32::from(*b);
+                *t = sum + kc * f32::from(*c) + kd * f32::from(*d);
+            }
+            return;
         }
-        return;
-    }
-    for (k, row) in factors.iter().zip(rows.chunks_exact(n.max(1))) {
-        to.iter_mut().zip(row).for_each(|(t, f)| *t += k * f32::from(*f));
+        for (k, row) in factors.iter().zip(rows.chunks_exact(n.max(1))) {
+            to.iter_mut().zip(row).for_each(|(t, f)| *t += k * f32::from(*f));
+        }
     }
 }
 
@@ -302,7 +285,7 @@ mod tests {
             for (k, row) in factors.iter().zip(rows.chunks(n)) {
                 expected.iter_mut().zip(row).for_each(|(sum, x)| *sum += k * f32::from(*x));
             }
-            add_rows(&mut sums, &factors, &rows);
+            widest(AddRows { to: &mut sums, factors, rows: &rows });
             assert_eq!(sums, expected);
         }
     }

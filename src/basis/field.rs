@@ -1,7 +1,7 @@
 //! A displacement field as the nodes that it moves.
 
 use super::Rows;
-use crate::base::math::{Four, small_whole};
+use crate::base::math::{Work, small_whole, widest};
 use glam::Vec3;
 
 /// The largest number of steps along an axis.
@@ -9,6 +9,9 @@ pub(crate) const MOST: f32 = 32767.0;
 
 /// Nodes in a group.
 pub(crate) const GROUP: usize = 32;
+
+/// Vectors of [`GROUP`] successive nodes: along x, y and z.
+pub(crate) type Group = [[f32; GROUP]; 3];
 
 /// Displacements of nodes, 6 bytes each, for groups of [`GROUP`] successive nodes with one that moves.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -22,31 +25,9 @@ pub(crate) struct NodeField {
 }
 
 impl NodeField {
-    /// The field of groups of nodes, ascending, with finite displacements, m. Groups that do not move are left out.
-    pub(crate) fn new(groups: &[(u32, [[f32; GROUP]; 3])]) -> Self {
-        let longest = groups.iter().map(|(_, u)| longest_of(u)).fold(0.0, f32::max);
-        let step = (longest / MOST).max(f32::MIN_POSITIVE);
-        let steps = |x: f32| small_whole((x / step).clamp(-MOST, MOST)) as i16;
-        let moving = || groups.iter().filter(|(_, u)| u.as_flattened().iter().any(|x| *x != 0.0));
-        let count = moving().count();
-        let (mut names, mut moves) = (Vec::with_capacity(count), Vec::with_capacity(count));
-        for (group, u) in moving() {
-            names.push(*group);
-            moves.push(u.map(|along| along.map(steps)));
-        }
-        NodeField { groups: names.into(), moves: moves.into(), step }
-    }
-
-    /// The field of all nodes, with finite displacements, m.
-    pub(crate) fn of(nodes: &[Four]) -> Self {
-        let groups = (0..).zip(nodes.chunks(GROUP / 4).map(|fours| {
-            let mut group = [[0.0; GROUP]; 3];
-            for (i, u) in fours.iter().enumerate() {
-                (0..3).for_each(|k| u[k].write_to_slice(&mut group[k][4 * i..]));
-            }
-            group
-        }));
-        Self::new(&groups.collect::<Vec<_>>())
+    /// The field of all nodes, in groups. Displacements, m, that are not all finite are none.
+    pub(crate) fn of(nodes: &[Group]) -> Self {
+        widest(Rounding(nodes))
     }
 
     /// The nodes that it moves and their displacements, m.
@@ -59,18 +40,10 @@ impl NodeField {
         nodes.filter(|(_, u)| *u != [0; 3]).map(|(n, u)| (n, self.metres(u)))
     }
 
-    /// The nodes that it moves by at least this share of the longest displacement.
-    pub(crate) fn moved_most(&self, share: f32) -> impl Iterator<Item = u32> {
-        let squares = |moves: &[[i16; GROUP]; 3]| -> [f32; GROUP] {
-            let square = |x: i16| f32::from(x) * f32::from(x);
-            std::array::from_fn(|i| square(moves[0][i]) + square(moves[1][i]) + square(moves[2][i]))
-        };
-        let longest = self.moves.iter().flat_map(squares).fold(0.0, f32::max);
-        let least = (share * share * longest).max(f32::MIN_POSITIVE);
-        self.groups().flat_map(move |(group, moves)| {
-            let own = (GROUP as u32 * group..).zip(squares(moves));
-            own.filter(move |(_, square)| *square >= least).map(|(node, _)| node)
-        })
+    /// The greatest squared distance from a place of a node that it moves by at least this share of the longest displacement, m²; 0 if it
+    /// moves none. `nodes` are the places of all.
+    pub(crate) fn reach_square(&self, share: f32, nodes: &[Vec3], from: Vec3) -> f32 {
+        widest(Reaching { field: self, share, nodes, from })
     }
 
     /// The groups with nodes that it moves, and the displacements of all their nodes in units of [`NodeField::step`], along x, y and z.
@@ -106,13 +79,83 @@ impl NodeField {
     }
 }
 
-/// The largest coordinate without its sign.
-fn longest_of(group: &[[f32; GROUP]; 3]) -> f32 {
-    let mut most = [0.0f32; GROUP];
-    for along in group {
-        most.iter_mut().zip(along).for_each(|(most, x)| *most = if x.abs() > *most { x.abs() } else { *most });
+/// Makes a field of displacements.
+struct Rounding<'a>(&'a [Group]);
+
+impl Work for Rounding<'_> {
+    type Done = NodeField;
+
+    #[inline(always)]
+    fn run(self) -> NodeField {
+        let mut most = [0.0f32; GROUP];
+        let mut is_finite = [true; GROUP];
+        for along in self.0.iter().flatten() {
+            for i in 0..GROUP {
+                let x = along[i].abs();
+                most[i] = if x > most[i] { x } else { most[i] };
+                is_finite[i] &= x < f32::INFINITY;
+            }
+        }
+        if is_finite.contains(&false) {
+            return NodeField { step: f32::MIN_POSITIVE, ..NodeField::default() };
+        }
+        let step = (most.iter().fold(0.0f32, |m, x| m.max(*x)) / MOST).max(f32::MIN_POSITIVE);
+        let moves = |u: &Group| u.as_flattened().iter().fold(false, |moves, x| moves | (*x != 0.0));
+        let groups: Box<[u32]> = (0..).zip(self.0).filter(|(_, u)| moves(u)).map(|(group, _)| group).collect();
+        let mut moves = vec![[[0i16; GROUP]; 3]; groups.len()].into_boxed_slice();
+        for (to, group) in moves.iter_mut().zip(&groups) {
+            for (to, x) in to.as_flattened_mut().iter_mut().zip(self.0[*group as usize].as_flattened()) {
+                *to = small_whole((x / step).clamp(-MOST, MOST)) as i16;
+            }
+        }
+        NodeField { groups, moves, step }
     }
-    most.iter().fold(0.0, |most, x| x.max(most))
+}
+
+/// Finds how far a field reaches.
+struct Reaching<'a> {
+    field: &'a NodeField,
+    share: f32,
+    nodes: &'a [Vec3],
+    from: Vec3,
+}
+
+impl Work for Reaching<'_> {
+    type Done = f32;
+
+    #[inline(always)]
+    fn run(self) -> f32 {
+        let Reaching { field, share, nodes, from } = self;
+        let mut longest = [0.0f32; GROUP];
+        let mut squares = [0.0f32; GROUP];
+        let square = |[x, y, z]: &[[i16; GROUP]; 3], squares: &mut [f32; GROUP]| {
+            for i in 0..GROUP {
+                let (x, y, z) = (f32::from(x[i]), f32::from(y[i]), f32::from(z[i]));
+                squares[i] = x * x + y * y + z * z;
+            }
+        };
+        for moves in &field.moves {
+            square(moves, &mut squares);
+            for i in 0..GROUP {
+                longest[i] = if squares[i] > longest[i] { squares[i] } else { longest[i] };
+            }
+        }
+        let least = (share * share * longest.iter().fold(0.0f32, |m, x| m.max(*x))).max(f32::MIN_POSITIVE);
+        let mut furthest = [0.0f32; GROUP];
+        for (group, moves) in field.groups() {
+            square(moves, &mut squares);
+            let nodes = &nodes[GROUP * group as usize..];
+            let count = nodes.len().min(GROUP);
+            let mut places = [from; GROUP];
+            places[..count].copy_from_slice(&nodes[..count]);
+            for i in 0..GROUP {
+                let (x, y, z) = (places[i].x - from.x, places[i].y - from.y, places[i].z - from.z);
+                let distance = x * x + y * y + z * z;
+                furthest[i] = if (squares[i] >= least) & (distance > furthest[i]) { distance } else { furthest[i] };
+            }
+        }
+        furthest.iter().fold(0.0, |m, x| m.max(*x))
+    }
 }
 
 fn group_of(node: u32) -> u32 {
@@ -122,13 +165,13 @@ fn group_of(node: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::math::side_by_side;
 
     #[test]
     fn displacements_are_rounded_to_a_32767th_of_the_longest() {
         let mut nodes = vec![Vec3::ZERO; 40];
         (nodes[2], nodes[5], nodes[39]) = (Vec3::new(0.1, -0.05, 0.0), Vec3::splat(1e-9), Vec3::Z * 0.01);
-        let of = |nodes: &[Vec3]| NodeField::of(&nodes.chunks(4).map(|n| side_by_side(n, 0.0)).collect::<Vec<_>>());
+        let group = |nodes: &[Vec3]| [0, 1, 2].map(|k| std::array::from_fn(|i| nodes.get(i).map_or(0.0, |u| u[k])));
+        let of = |nodes: &[Vec3]| NodeField::of(&nodes.chunks(GROUP).map(group).collect::<Vec<_>>());
         let field = of(&nodes);
         assert!(field.moved().map(|(n, _)| n).eq([2, 39]), "what rounds to nothing is left out");
         for (node, u) in field.moved() {

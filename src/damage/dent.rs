@@ -71,7 +71,7 @@ impl Dent {
         let one = Moves { field: found.predicted.field, scale: found.scale };
         let nodes = set.nodes().lod.mesh.positions();
         // Dents overlap where they move a contact by a third of their depth. A tenth of it leaves room for vertices between nodes.
-        let far = one.field.moved_most(0.1).map(|n| nodes[n as usize].distance_squared(position));
+        let reach_square = one.field.reach_square(0.1, nodes, position);
         let mut dent = Dent {
             strength: 1.0,
             alone: 1.0,
@@ -81,7 +81,7 @@ impl Dent {
             level: 0,
             power: energy_factor(mark.depth.into()),
             depth: 0.0,
-            reach_square: far.fold(0.0, f32::max),
+            reach_square,
             others: 0,
             one,
         };

@@ -76,7 +76,7 @@ impl Source<'_> {
         let count = nodes.vertex_count();
         let normals = nodes.mesh.normals().map_or_else(|| vec![Vec3::ZERO; count], <[Vec3]>::to_vec);
         let held = if nodes.rim.is_open() { Vec::new() } else { (0..count as u32).map(|v| nodes.rim.at(v)).collect() };
-        Body::new(nodes.mesh.positions().to_vec(), normals, held, self.mirror, self.base.mesh.bounds().centre())
+        Body::new(nodes.mesh.positions(), &normals, &held, self.mirror, self.base.mesh.bounds().centre())
     }
 }
 
@@ -142,8 +142,7 @@ impl LearnedRule {
             recent.scratch.pop().unwrap_or_default()
         };
         let (Prediction { expected_error, depth, .. }, moved) = self.predictor.predict(hit, &self.fields, &mut scratch);
-        // Numbers of a file may be anything finite.
-        let moved = if moved.iter().flatten().all(|u| u.is_finite()) { moved } else { &[] };
+        // Numbers of a file may be anything finite, and what follows of them anything.
         let predicted = Predicted { field: Arc::new(NodeField::of(moved)), expected_error, depth };
         let mut recent = self.recent.lock().unwrap_or_else(|e| e.into_inner());
         recent.scratch.push(scratch);

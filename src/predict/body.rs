@@ -3,18 +3,16 @@
 use super::Blow;
 use super::stamp::Frames;
 use crate::base::math::Aabb;
+use crate::basis::field::{GROUP, Group};
 use crate::mesh::mirror::Mirror;
 use glam::Vec3;
 
 /// The body at rest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
-    /// Where displacements are given and wanted, m.
-    pub points: Vec<Vec3>,
-    /// Unit normals of the points, out of the body; zero where there is none.
-    pub(super) normals: Vec<Vec3>,
-    /// How much of what is carried to each point it takes: 1, and less towards held rims. Empty: 1 everywhere.
-    pub(super) held: Vec<f32>,
+    /// The number of points.
+    pub(super) count: usize,
+    pub(super) places: Vec<Places>,
     /// Coordinate planes in which the body is symmetric. Examples then also count mirrored, if they agree with it.
     pub(super) mirror: Mirror,
     /// A point of those planes, m.
@@ -24,25 +22,44 @@ pub struct Body {
     pub(super) frames: Frames,
 }
 
+/// Successive points, side by side. What is missing of the last group is infinitely far away.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Places {
+    /// m.
+    pub points: Group,
+    /// Unit normals, out of the body; zero where there is none.
+    pub normals: Group,
+    /// How much of what is carried to each point it takes: 1, and less towards held rims.
+    pub held: [f32; GROUP],
+}
+
 impl Body {
     /// A body of points with as many unit normals, the shares that points take of what is carried to them (none: all of it), and its planes
     /// of symmetry through `centre`.
-    pub fn new(points: Vec<Vec3>, normals: Vec<Vec3>, held: Vec<f32>, mirror: Mirror, centre: Vec3) -> Self {
-        let diagonal = f64::from(Aabb::of(&points).diagonal()).max(1e-9);
-        let frames = Frames::of(&normals);
-        Self { points, normals, held, mirror, centre, diagonal, frames }
+    pub fn new(points: &[Vec3], normals: &[Vec3], held: &[f32], mirror: Mirror, centre: Vec3) -> Self {
+        let diagonal = f64::from(Aabb::of(points).diagonal()).max(1e-9);
+        let side_by_side = |of: &[Vec3], first: usize, none: f32| -> Group {
+            [0, 1, 2].map(|k| std::array::from_fn(|i| of.get(first + i).map_or(none, |v| v[k])))
+        };
+        let places = (0..points.len()).step_by(GROUP).map(|first| Places {
+            points: side_by_side(points, first, f32::INFINITY),
+            normals: side_by_side(normals, first, 0.0),
+            held: std::array::from_fn(|i| held.get(first + i).copied().unwrap_or(1.0)),
+        });
+        Self { count: points.len(), places: places.collect(), mirror, centre, diagonal, frames: Frames::of(normals) }
     }
 
-    /// The share that a point takes of what is carried to it.
-    pub(super) fn held(&self, point: usize) -> f32 {
-        self.held.get(point).copied().unwrap_or(1.0)
+    /// Where displacements are given and wanted, m.
+    pub(super) fn points(&self) -> impl Iterator<Item = Vec3> {
+        let all = self.places.iter().flat_map(|p| (0..GROUP).map(|i| Vec3::from(p.points.map(|along| along[i]))));
+        all.take(self.count)
     }
 
     /// The index of the point nearest to `place`; the first of equally near ones.
     pub(super) fn nearest(&self, place: Vec3) -> usize {
         let mut best = (f32::INFINITY, 0);
-        for (i, p) in self.points.iter().enumerate() {
-            let d = (*p - place).length_squared();
+        for (i, p) in self.points().enumerate() {
+            let d = (p - place).length_squared();
             if d < best.0 {
                 best = (d, i);
             }
@@ -52,7 +69,7 @@ impl Body {
 
     /// For each point the point nearest to its mirror image.
     pub(super) fn partners(&self, mirror: Mirror) -> Vec<u32> {
-        self.points.iter().map(|p| self.nearest(mirror.point(*p, self.centre)) as u32).collect()
+        self.points().map(|p| self.nearest(mirror.point(p, self.centre)) as u32).collect()
     }
 }
 

@@ -113,7 +113,7 @@ impl Flat<'_> {
 
     /// Everything that does not follow from the body.
     fn rule(&mut self, p: &mut Predictor) -> Result<(), Error> {
-        let points = p.body.points.len();
+        let points = p.body.count;
         let (mut kind, mut reach) = (f64::from(p.typical.kind), f64::from(p.reach));
         let [mut blows, mut displacements] = [&p.blow, &p.displacement].map(|m| f64::from(u8::from(m.is_some())));
         let Typical { mass, radius, rebound, .. } = &mut p.typical;

@@ -12,6 +12,7 @@ use super::rank::{LowRank, gram};
 use super::size::SizeLaw;
 use super::stamp::{STAMP, View, read};
 use crate::base::tasks::{TaskSystem, map};
+use crate::basis::field::GROUP;
 use crate::mesh::mirror::Mirror;
 use glam::{DVec3, Vec3};
 
@@ -131,8 +132,8 @@ impl Data<'_> {
         let mut reach = 0.01 * self.body.diagonal as f32;
         for s in &self.samples {
             let longest = s.field.iter().fold(0.0f32, |m, u| m.max(u.length_squared()));
-            for (p, _) in self.body.points.iter().zip(s.field).filter(|(_, u)| u.length_squared() > 1e-4 * longest) {
-                reach = reach.max((*p - s.contact).length());
+            for (p, _) in self.body.points().zip(s.field).filter(|(_, u)| u.length_squared() > 1e-4 * longest) {
+                reach = reach.max((p - s.contact).length());
             }
         }
         reach
@@ -191,7 +192,7 @@ impl Data<'_> {
 
     fn draft(&self, blows: bool, mirrors: &[Mirror], tasks: &dyn TaskSystem) -> Option<Draft> {
         let images = self.images(blows, mirrors);
-        let (n, columns) = (images.len(), 3 * self.body.points.len());
+        let (n, columns) = (images.len(), 3 * self.body.count);
         if n == 0 {
             return None;
         }
@@ -235,7 +236,7 @@ impl Data<'_> {
         // is multiplied by its width.
         let stamps = map(tasks, 0..n, |i| {
             let at = |v: usize| Vec3::from_slice(&unit[i * columns + 3 * v..]);
-            let mut stamp = view(i).resample(&self.body.points, &self.body.normals, at);
+            let mut stamp = view(i).resample(&self.body, at);
             stamp.iter_mut().for_each(|x| *x *= wide(i) as f32);
             stamp
         });
@@ -256,9 +257,11 @@ impl Data<'_> {
             low.mix(&weights, &mut stamp);
             let view = view(i);
             view.turned(&stamp, 1.0 / wide(i) as f32, &mut turned);
-            for (v, u) in carried[i * columns..(i + 1) * columns].as_chunks_mut::<3>().0.iter_mut().enumerate() {
-                if let Some(cell) = view.cell(self.body.points[v], self.body.normals[v]) {
-                    *u = (read(&turned, &cell, 0).truncate() * self.body.held(v)).to_array();
+            let carried = carried[i * columns..(i + 1) * columns].chunks_mut(3 * GROUP);
+            for (carried, places) in carried.zip(&self.body.places) {
+                let read = read(&turned, &view.cells(places));
+                for (i, u) in carried.as_chunks_mut::<3>().0.iter_mut().enumerate() {
+                    *u = read.map(|along| along[i] * places.held[i]);
                 }
             }
         }
@@ -290,7 +293,7 @@ impl Data<'_> {
     /// Learns the anchored part, its share and the factor on sizes.
     fn finish(&self, draft: Draft, blows: bool) -> Model {
         let Draft { mut model, images, groups, unit, carried, missed, errors, .. } = draft;
-        let (n, columns) = (images.len(), 3 * self.body.points.len());
+        let (n, columns) = (images.len(), 3 * self.body.count);
         let row = |rows: &'_ [f32], i: usize| -> Vec<f32> { rows[i * columns..(i + 1) * columns].to_vec() };
         if groups.len() < LEAST_GROUPS {
             model.errors = if groups.len() > 1 { errors } else { vec![1.0; n] };

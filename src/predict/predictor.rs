@@ -7,9 +7,10 @@ use super::kernel::{GROUPS, exp, matern};
 use super::linear::add;
 use super::own::{self, Fields};
 use super::size::SizeLaw;
-use super::stamp::{STAMP, View, reads};
+use super::stamp::{STAMP, View, read};
 use super::{Blow, Hit, Prediction, Told};
-use crate::base::math::{Four, add_rows, side_by_side, squares};
+use crate::base::math::{AddRows, Work, widest};
+use crate::basis::field::{GROUP, Group};
 use crate::mesh::mirror::Mirror;
 use glam::{Vec3, Vec4};
 
@@ -83,7 +84,7 @@ impl Part {
             for (factor, (w, step)) in factors.iter_mut().zip(weights.iter().zip(steps)) {
                 *factor = (w * f64::from(*step)) as f32;
             }
-            add_rows(out, &factors, modes);
+            widest(AddRows { to: out, factors, rows: modes });
         }
     }
 }
@@ -139,8 +140,135 @@ pub struct Scratch {
     stamp: Vec<f32>,
     turned: Vec<Vec4>,
     field: Vec<f32>,
-    /// The field, four points side by side.
-    fours: Vec<Four>,
+    groups: Vec<Group>,
+}
+
+/// What a hit leaves at the points, seen from its contact.
+struct Sight<'a> {
+    body: &'a Body,
+    view: &'a View,
+    turned: &'a [Vec4],
+    /// What the anchored part says, and its share.
+    field: &'a [f32],
+    share: f32,
+    reach: f32,
+    /// What is filled.
+    groups: &'a mut Vec<Group>,
+}
+
+/// The point nearest to the contact, how it would move without held rims, and four sums of squares.
+struct Seen {
+    contact: usize,
+    open: Vec3,
+    sums: [f64; 4],
+}
+
+impl Work for Sight<'_> {
+    type Done = Seen;
+
+    #[inline(always)]
+    fn run(self) -> Seen {
+        let Sight { body, view, turned, field, share, reach, groups } = self;
+        let far = END * reach;
+        let mut seen = Seen { contact: 0, open: Vec3::ZERO, sums: [0.0; 4] };
+        let mut least = f32::INFINITY;
+        groups.clear();
+        groups.reserve(body.places.len());
+        for (first, (places, field)) in
+            (0..).step_by(GROUP).zip(body.places.iter().zip(field.as_chunks::<{ 3 * GROUP }>().0))
+        {
+            let mut distances = [0.0; GROUP];
+            for (i, distance) in distances.iter_mut().enumerate() {
+                let [x, y, z] = [0, 1, 2].map(|k| places.points[k][i] - view.contact[k]);
+                *distance = x * x + y * y + z * z;
+            }
+            let (nearest, furthest) = distances.iter().fold((f32::INFINITY, 0.0f32), |(low, high), d| {
+                (if *d < low { *d } else { low }, if *d > high { *d } else { high })
+            });
+            if nearest >= far * far {
+                groups.push([[0.0; GROUP]; 3]);
+                continue;
+            }
+            let mut anchored = [[0.0; GROUP]; 3];
+            let [x, y, z] = &mut anchored;
+            for i in 0..GROUP {
+                (x[i], y[i], z[i]) = (field[3 * i] * share, field[3 * i + 1] * share, field[3 * i + 2] * share);
+            }
+            let carried = read(turned, &view.cells(places));
+            if nearest < least {
+                let at = distances.iter().position(|d| *d == nearest).unwrap_or_default();
+                (least, seen.contact) = (nearest, first + at);
+                seen.open = vector(&anchored, at) + vector(&carried, at);
+            }
+            let mut sum = anchored;
+            for k in 0..3 {
+                for i in 0..GROUP {
+                    sum[k][i] += carried[k][i] * places.held[i];
+                }
+            }
+            if furthest > reach * reach {
+                for i in 0..GROUP {
+                    let t = (distances[i].sqrt() / reach - END) / (1.0 - END);
+                    let t = if t > 0.0 { t } else { 0.0 };
+                    let t = if t < 1.0 { t } else { 1.0 };
+                    let fade = t * t * (3.0 - 2.0 * t);
+                    (0..3).for_each(|k| sum[k][i] *= fade);
+                }
+            }
+            for four in squares(&sum).as_chunks::<4>().0 {
+                (0..4).for_each(|i| seen.sums[i] += f64::from(four[i]));
+            }
+            groups.push(sum);
+        }
+        seen
+    }
+}
+
+/// Scales a field, and leaves out what is shorter than `faint` times its longest displacement; what is twice as long stays.
+struct Scaling<'a> {
+    groups: &'a mut [Group],
+    faint: f32,
+    scale: f32,
+}
+
+impl Work for Scaling<'_> {
+    type Done = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let mut longest = [0.0f32; GROUP];
+        for group in &*self.groups {
+            let squares = squares(group);
+            (0..GROUP).for_each(|i| longest[i] = if squares[i] > longest[i] { squares[i] } else { longest[i] });
+        }
+        let faint = self.faint * longest.iter().fold(0.0f32, |m, x| m.max(*x)).sqrt();
+        for group in self.groups {
+            let squares = squares(group);
+            for i in 0..GROUP {
+                let kept = (squares[i].sqrt() - faint) / faint.max(f32::MIN_POSITIVE);
+                let kept = if kept > 0.0 { kept } else { 0.0 };
+                let kept = if kept < 1.0 { kept } else { 1.0 };
+                let along = self.scale * kept;
+                (0..3).for_each(|k| group[k][i] *= along);
+            }
+        }
+    }
+}
+
+/// Their squared lengths.
+#[inline(always)]
+fn squares(group: &Group) -> [f32; GROUP] {
+    let mut out = [0.0; GROUP];
+    for i in 0..GROUP {
+        let [x, y, z] = [0, 1, 2].map(|k| group[k][i]);
+        out[i] = x * x + y * y + z * z;
+    }
+    out
+}
+
+#[inline(always)]
+fn vector(group: &Group, i: usize) -> Vec3 {
+    Vec3::new(group[0][i], group[1][i], group[2][i])
 }
 
 /// Factor on the width of the grid for a strength (logarithm) above that of width 1: the size of a blow's field, or a displacement.
@@ -177,8 +305,7 @@ impl Predictor {
         let part = |p: &Part| p.modes.len() * 2 + p.steps.len() * 4 + (p.coefficients.len() + p.mean.len()) * 8;
         let model = |m: &Model| part(&m.carried) + part(&m.anchored) + m.rows.len() * (2 * 104 + 8 * 3 + 8);
         let partners: usize = self.partners.iter().map(|(_, p)| 4 * p.len()).sum();
-        self.body.points.len() * 24
-            + self.body.held.len() * 4
+        size_of_val(&*self.body.places)
             + partners
             + self.order.len() * 4
             + self.displacement.as_ref().map_or(0, model)
@@ -191,11 +318,11 @@ impl Predictor {
         blow.strike(normal, &self.typical)
     }
 
-    /// Predicts the displacements of all points, m, four side by side; those behind the last point do not move. A blow that points out of
+    /// Predicts the displacements of all points, m, in groups; those behind the last point do not move. A blow that points out of
     /// the body, or is far weaker than all examples, leaves nothing. So does a blow if no sample knows one ([`Predictor::knows_blows`]).
     ///
     /// `fields` are those of the samples that it was learned from: a sample's own hit gives its field.
-    pub fn predict<'s>(&self, hit: &Hit, fields: &dyn Fields, scratch: &'s mut Scratch) -> (Prediction, &'s [Four]) {
+    pub fn predict<'s>(&self, hit: &Hit, fields: &dyn Fields, scratch: &'s mut Scratch) -> (Prediction, &'s [Group]) {
         let Predictor { body, reach, .. } = self;
         let (model, strike, told) = match hit.told {
             Told::Strike(strike) => (&self.blow, Some(strike), None),
@@ -221,53 +348,17 @@ impl Predictor {
         let wide = wide(told.is_none(), strength - model.reference);
 
         s.field.clear();
-        s.field.resize(3 * body.points.len(), 0.0);
-        model.anchored.add(n, &s.differences, &mut s.sums, &mut s.weights, &mut s.field);
+        s.field.resize(3 * GROUP * body.places.len(), 0.0);
+        model.anchored.add(n, &s.differences, &mut s.sums, &mut s.weights, &mut s.field[..3 * body.count]);
         s.stamp.clear();
         s.stamp.resize(STAMP, 0.0);
         model.carried.add(n, &s.differences, &mut s.sums, &mut s.weights, &mut s.stamp);
         let (w, v) = (model.share as f32, (1.0 - model.share) as f32);
         let view = View::new(&body.frames, hit.contact, hit.normal, body.diagonal, wide);
         view.turned(&s.stamp, v / wide as f32, &mut s.turned);
-        let far = END * reach;
-        // Of the point nearest to the contact, and how it would move without held rims.
-        let (mut contact, mut least, mut open) = (0, f32::INFINITY, Vec3::ZERO);
-        let mut sums = [0.0f64; 4];
-        s.fours.clear();
-        let points = body.points.chunks(4).zip(body.normals.chunks(4)).zip(s.field.as_chunks::<3>().0.chunks(4));
-        for (first, ((points, normals), field)) in (0..).step_by(4).zip(points) {
-            // Missing points are outside.
-            let at = side_by_side(points, f32::INFINITY);
-            let distances = squares(&std::array::from_fn(|k| at[k] - hit.contact[k]));
-            let nearest = distances.min_element();
-            let is_nearest = nearest < least;
-            if is_nearest {
-                let here = distances.to_array();
-                contact = first + (0..4).find(|i| here[*i] == nearest).unwrap_or_default();
-                least = nearest;
-            }
-            if nearest >= far * far {
-                s.fours.push([Vec4::ZERO; 3]);
-                continue;
-            }
-            let cells = view.cells(&at, &side_by_side(normals, 0.0));
-            let carried = reads(&s.turned, &cells);
-            let share = Vec4::from([0, 1, 2, 3].map(|i| body.held(first + i)));
-            let anchored = side_by_side(bytemuck::cast_slice(field), 0.0);
-            let mut sum: Four = std::array::from_fn(|k| anchored[k] * w + carried[k] * share);
-            if is_nearest {
-                open = Vec3::from([0, 1, 2].map(|k| (anchored[k] * w + carried[k])[contact % 4]));
-            }
-            if distances.max_element() > reach * reach {
-                let off = distances.to_array().map(|d| d.sqrt() / reach);
-                let t = ((Vec4::from(off) - END) / (1.0 - END)).clamp(Vec4::ZERO, Vec4::ONE);
-                let fade = t * t * (3.0 - 2.0 * t);
-                sum = sum.map(|u| u * fade);
-            }
-            let own = squares(&sum).to_array();
-            (0..4).for_each(|i| sums[i] += f64::from(own[i]));
-            s.fours.push(sum);
-        }
+        let groups = &mut s.groups;
+        let Seen { contact, mut open, sums } =
+            widest(Sight { body, view: &view, turned: &s.turned, field: &s.field, share: w, reach: *reach, groups });
         let mut total = (sums[0] + sums[1]) + (sums[2] + sums[3]);
         let own = own::nearest(&model.rows, &x);
         if total.is_nan() || total <= 0.0 && own.is_none() {
@@ -280,22 +371,21 @@ impl Predictor {
             let k = exact * exp(length) as f32;
             let partners = self.partners.iter().find(|(m, _)| *m == mirror && mirror != Mirror::NONE);
             let left = (f64::from(1.0 - exact) / total.sqrt().max(1e-30)) as f32;
-            s.fours.iter_mut().flatten().for_each(|u| *u *= left);
+            groups.as_flattened_mut().as_flattened_mut().iter_mut().for_each(|u| *u *= left);
             open *= left;
             fields.moved(self.order[example as usize] as usize, &mut |v, u| {
                 let v = partners.map_or(v, |(_, p)| p[v] as usize);
                 let u = mirror.direction(u) * k;
                 open += if v == contact { u } else { Vec3::ZERO };
-                (0..3).for_each(|axis| s.fours[v / 4][axis][v % 4] += u[axis]);
+                (0..3).for_each(|axis| groups[v / GROUP][axis][v % GROUP] += u[axis]);
             });
-            let each = s.fours.iter().flat_map(|u| squares(u).to_array());
-            total = each.map(f64::from).sum::<f64>().max(1e-30);
+            total = groups.iter().flat_map(squares).map(f64::from).sum::<f64>().max(1e-30);
         }
 
         // Of the field with a size of 1.
         let unit = (1.0 / total.sqrt()) as f32;
         let there = (open * unit).length();
-        let held = Vec3::from([0, 1, 2].map(|k| s.fours[contact / 4][k][contact % 4])).length() * unit;
+        let held = vector(&groups[contact / GROUP], contact % GROUP).length() * unit;
         let mut size = exp(log.clamp(-40.0, 20.0)) as f32;
         match told {
             Some(depth) => {
@@ -310,20 +400,7 @@ impl Predictor {
                 size *= (t * t * (3.0 - 2.0 * t)) as f32;
             }
         }
-        let longest = s.fours.iter().fold(Vec4::ZERO, |m, u| m.max(squares(u))).max_element();
-        let faint = FAINT * longest.sqrt() * (1.0 - exact);
-        let scale = unit * size;
-        for fours in &mut s.fours {
-            let own = squares(fours);
-            let kept = if own.min_element() < 4.0 * faint * faint {
-                // Nothing up to `faint`, all of it from twice as much on.
-                let lengths = Vec4::from(own.to_array().map(f32::sqrt));
-                ((lengths - faint) / faint.max(f32::MIN_POSITIVE)).clamp(Vec4::ZERO, Vec4::ONE)
-            } else {
-                Vec4::ONE
-            };
-            *fours = fours.map(|along| along * (scale * kept));
-        }
-        (Prediction { size, depth: there * size, expected_error: (errors / all) as f32 * (1.0 - exact) }, &s.fours)
+        widest(Scaling { groups, faint: FAINT * (1.0 - exact), scale: unit * size });
+        (Prediction { size, depth: there * size, expected_error: (errors / all) as f32 * (1.0 - exact) }, groups)
     }
 }

@@ -1,7 +1,9 @@
 //! Frames of contacts, and a field resampled into a grid there.
 
+use super::body::{Body, Places};
 use super::linear::Banded;
-use crate::base::math::{Four, dots, small_floors, small_wholes, transposed};
+use crate::base::math::{small_floor, small_whole, transposed};
+use crate::basis::field::{GROUP, Group};
 use glam::{DMat3, DVec3, Vec3, Vec4};
 
 /// Nodes of the grid a side.
@@ -81,7 +83,7 @@ impl Frames {
 /// A contact, from which points are seen in the grid.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct View {
-    contact: Vec3,
+    pub contact: Vec3,
     normal: Vec3,
     /// Columns are the frame.
     frame: glam::Mat3,
@@ -89,13 +91,13 @@ pub(super) struct View {
     scale: f32,
 }
 
-/// Where four points lie in the grid.
+/// Where a group of points lies in the grid.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cells {
     /// The node with the smallest coordinates; the others are 1, `SIDE` and `SIDE + 1` further.
-    pub node: [i32; 4],
+    pub node: [i32; GROUP],
     /// The weights of each of the four nodes; their sum is below 1 near the other side of the body, and 0 there and outside.
-    pub weights: [Vec4; 4],
+    pub weights: [[f32; GROUP]; 4],
 }
 
 impl View {
@@ -107,52 +109,70 @@ impl View {
         Self { contact, normal, frame: frames.at(normal).as_mat3(), near: near as f32, scale: scale as f32 }
     }
 
-    /// The places of points with normals in the grid.
+    /// The places of a group of points in the grid.
     #[inline(always)]
-    pub(super) fn cells(&self, points: &Four, normals: &Four) -> Cells {
-        let (zero, one, two) = (Vec4::ZERO, Vec4::ONE, Vec4::splat(2.0));
-        let r: Four = std::array::from_fn(|k| points[k] - self.contact[k]);
-        let [x, y, z] = [self.frame.x_axis, self.frame.y_axis, self.frame.z_axis].map(|axis| dots(&r, axis));
-        // The surface around the contact, unrolled on a plane.
-        let unroll = one + 0.5 * (z * z / (x * x + y * y).max(Vec4::splat(1e-10 * self.near * self.near))).min(two);
-        let place = |q: Vec4| q / (q.abs() + self.near) * self.scale + 0.5 * (SIDE - 1) as f32;
-        let (a, b) = (place(x * unroll), place(y * unroll));
-        let last = Vec4::splat((SIDE - 1) as f32);
-        // Not for NaN.
-        let is_inside = a.min(b).cmpgt(zero) & a.max(b).cmplt(last);
-        let facing = (dots(normals, self.normal) - BACK) / (FRONT - BACK);
-        // Points without a normal are on both sides.
-        let is_flat = normals[0].cmpeq(zero) & normals[1].cmpeq(zero) & normals[2].cmpeq(zero);
-        let f = Vec4::select(is_flat, one, facing.clamp(zero, one));
-        let f = Vec4::select(is_inside, f, zero);
-        // Elsewhere the first node.
-        let (a, b) = (Vec4::select(is_inside, a, zero), Vec4::select(is_inside, b, zero));
-        let (i, j) = (small_floors(a), small_floors(b));
-        let (u, v) = (a - i, b - j);
-        let weights = [f * (one - u) * (one - v), f * (one - u) * v, f * u * (one - v), f * u * v];
-        Cells { node: small_wholes(i * SIDE as f32 + j), weights }
-    }
-
-    /// The place of a point, four times; `None` outside and on the other side of the body.
-    pub(super) fn cell(&self, point: Vec3, normal: Vec3) -> Option<Cells> {
-        let [point, normal] = [point, normal].map(|v| v.to_array().map(Vec4::splat));
-        Some(self.cells(&point, &normal)).filter(|cell| cell.weights.iter().any(|w| w.x > 0.0))
+    pub(super) fn cells(&self, places: &Places) -> Cells {
+        let mut cells = Cells { node: [0; GROUP], weights: [[0.0; GROUP]; 4] };
+        let (contact, normal) = (self.contact, self.normal);
+        let (x_axis, y_axis, z_axis) = (self.frame.x_axis, self.frame.y_axis, self.frame.z_axis);
+        let (near, scale) = (self.near, self.scale);
+        let flat = 1e-10 * near * near;
+        let last = (SIDE - 1) as f32;
+        let [px, py, pz] = &places.points;
+        let [nx, ny, nz] = &places.normals;
+        let [w0, w1, w2, w3] = &mut cells.weights;
+        for i in 0..GROUP {
+            let (rx, ry, rz) = (px[i] - contact.x, py[i] - contact.y, pz[i] - contact.z);
+            let x = rx * x_axis.x + ry * x_axis.y + rz * x_axis.z;
+            let y = rx * y_axis.x + ry * y_axis.y + rz * y_axis.z;
+            let z = rx * z_axis.x + ry * z_axis.y + rz * z_axis.z;
+            // The surface around the contact, unrolled on a plane.
+            let square = x * x + y * y;
+            let steep = z * z / if square > flat { square } else { flat };
+            let unroll = 1.0 + 0.5 * if steep < 2.0 { steep } else { 2.0 };
+            let (x, y) = (x * unroll, y * unroll);
+            let a = x / (x.abs() + near) * scale + 0.5 * last;
+            let b = y / (y.abs() + near) * scale + 0.5 * last;
+            // Not for NaN.
+            let is_inside = (a > 0.0) & (b > 0.0) & (a < last) & (b < last);
+            let along = nx[i] * normal.x + ny[i] * normal.y + nz[i] * normal.z;
+            let facing = (along - BACK) / (FRONT - BACK);
+            let facing = if facing > 0.0 { facing } else { 0.0 };
+            let facing = if facing < 1.0 { facing } else { 1.0 };
+            // Points without a normal are on both sides.
+            let is_flat = (nx[i] == 0.0) & (ny[i] == 0.0) & (nz[i] == 0.0);
+            let f = if is_flat { 1.0 } else { facing };
+            let f = if is_inside { f } else { 0.0 };
+            // Elsewhere the first node.
+            let a = if is_inside { a } else { 0.0 };
+            let b = if is_inside { b } else { 0.0 };
+            let (row, column) = (small_floor(a), small_floor(b));
+            let (u, v) = (a - row, b - column);
+            w0[i] = f * (1.0 - u) * (1.0 - v);
+            w1[i] = f * (1.0 - u) * v;
+            w2[i] = f * u * (1.0 - v);
+            w3[i] = f * u * v;
+            cells.node[i] = small_whole(row * SIDE as f32 + column);
+        }
+        cells
     }
 
     /// The grid whose bilinear mean is nearest to the field (`STAMP` numbers in the frame of the contact), smooth where
     /// there are no points.
-    pub(super) fn resample(&self, points: &[Vec3], normals: &[Vec3], field: impl Fn(usize) -> Vec3) -> Vec<f32> {
+    pub(super) fn resample(&self, body: &Body, field: impl Fn(usize) -> Vec3) -> Vec<f32> {
         let nodes = SIDE * SIDE;
         let mut matrix = Banded::new(nodes, 2 * SIDE);
         let mut right = vec![[0.0f64; 3]; nodes];
-        for (v, (p, n)) in points.iter().zip(normals).enumerate() {
-            let Some(cell) = self.cell(*p, *n) else { continue };
-            let u = self.frame.transpose() * field(v);
-            let at = [0, 1, SIDE, SIDE + 1].map(|k| cell.node[0] as usize + k);
-            for a in 0..4 {
-                let w = f64::from(cell.weights[a].x);
-                (0..3).for_each(|c| right[at[a]][c] += w * f64::from(u[c]));
-                (0..=a).for_each(|b| matrix.add(at[a], at[b], w * f64::from(cell.weights[b].x)));
+        for (first, places) in (0..).step_by(GROUP).zip(&body.places) {
+            let cells = self.cells(places);
+            for i in (0..GROUP).filter(|i| cells.weights.iter().any(|w| w[*i] > 0.0)) {
+                let u = self.frame.transpose() * field(first + i);
+                let at = [0, 1, SIDE, SIDE + 1].map(|k| cells.node[i] as usize + k);
+                let weights = cells.weights.map(|w| f64::from(w[i]));
+                for a in 0..4 {
+                    (0..3).for_each(|c| right[at[a]][c] += weights[a] * f64::from(u[c]));
+                    (0..=a).for_each(|b| matrix.add(at[a], at[b], weights[a] * weights[b]));
+                }
             }
         }
         // Squared second differences along both axes.
@@ -184,23 +204,36 @@ impl View {
 
 /// A turned stamp's displacements at the cells.
 #[inline(always)]
-pub(super) fn reads(turned: &[Vec4], cells: &Cells) -> Four {
-    let [x, y, z, _] = transposed([0, 1, 2, 3].map(|i| read(turned, cells, i)));
-    [x, y, z]
+pub(super) fn read(turned: &[Vec4], cells: &Cells) -> Group {
+    let mut out = [[0.0; GROUP]; 3];
+    for i in (0..GROUP).step_by(4) {
+        let four = [
+            read_one(turned, cells, i),
+            read_one(turned, cells, i + 1),
+            read_one(turned, cells, i + 2),
+            read_one(turned, cells, i + 3),
+        ];
+        let [x, y, z, _] = transposed(four);
+        x.write_to_slice(&mut out[0][i..]);
+        y.write_to_slice(&mut out[1][i..]);
+        z.write_to_slice(&mut out[2][i..]);
+    }
+    out
 }
 
-/// A turned stamp's displacement at one of the cells; its last number is 0.
+/// At one of the cells; the last number is 0.
 #[inline(always)]
-pub(super) fn read(turned: &[Vec4], cells: &Cells, i: usize) -> Vec4 {
-    let [a, b, c, d] = cells.weights.map(|w| w[i]);
+fn read_one(turned: &[Vec4], cells: &Cells, i: usize) -> Vec4 {
+    let [a, b, c, d] = &cells.weights;
     let k = cells.node[i] as usize;
     let (low, high) = (&turned[k..k + 2], &turned[k + SIDE..k + SIDE + 2]);
-    (low[0] * a + low[1] * b) + (high[0] * c + high[1] * d)
+    (low[0] * a[i] + low[1] * b[i]) + (high[0] * c[i] + high[1] * d[i])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::mirror::Mirror;
 
     #[test]
     fn frames_are_rotations_with_the_normal_as_third_axis() {
@@ -220,12 +253,14 @@ mod tests {
         let centre = Vec3::new(0.4, 0.55, 0.0);
         let field = |v: usize| Vec3::new(0.0, 0.002, -0.03) * (-40.0 * (points[v] - centre).length_squared()).exp();
         let view = View::new(&Frames::of(&normals), centre, Vec3::Z, 2f64.sqrt(), 1.0);
-        let stamp = view.resample(&points, &normals, field);
+        let body = Body::new(&points, &normals, &[], Mirror::NONE, Vec3::ZERO);
+        let stamp = view.resample(&body, field);
         let mut turned = Vec::new();
         view.turned(&stamp, 1.0, &mut turned);
+        let read: Vec<Group> = body.places.iter().map(|at| read(&turned, &view.cells(at))).collect();
         let mut sums = (0.0, 0.0);
-        for (v, p) in points.iter().enumerate() {
-            let read = view.cell(*p, Vec3::Z).map_or(Vec3::ZERO, |cell| read(&turned, &cell, 0).truncate());
+        for v in 0..points.len() {
+            let read = Vec3::from([0, 1, 2].map(|k| read[v / GROUP][k][v % GROUP]));
             sums.0 += (read - field(v)).length_squared();
             sums.1 += field(v).length_squared();
         }

@@ -5,6 +5,7 @@ use super::kriging::{Kriging, covariance};
 use super::linear::add;
 use super::{Blow, Body, Fields, Hit, Prediction, Predictor, Sample, Scratch, Told};
 use crate::base::tasks::Serial;
+use crate::basis::field::GROUP;
 use crate::mesh::mirror::Mirror;
 use glam::Vec3;
 use proptest::prelude::*;
@@ -24,7 +25,7 @@ impl Sheet {
     }
 
     fn body(&self, mirror: u8) -> Body {
-        Body::new(self.points.clone(), self.normals.clone(), Vec::new(), Mirror::from_bits(mirror), Vec3::ZERO)
+        Body::new(&self.points, &self.normals, &[], Mirror::from_bits(mirror), Vec3::ZERO)
     }
 
     /// A dent whose depth grows with the root of the energy, and is twice as deep on the right as on the left.
@@ -113,10 +114,9 @@ impl Fields for Rule {
 
 fn predict(p: &Rule, hit: &Hit) -> (Prediction, Vec<Vec3>) {
     let mut scratch = Scratch::default();
-    let (told, fours) = p.predict(hit, p, &mut scratch);
-    let mut field: Vec<Vec3> =
-        fours.iter().flat_map(|u| [0, 1, 2, 3].map(|i| u.map(|along| along[i]).into())).collect();
-    field.resize(p.body.points.len(), Vec3::ZERO);
+    let (told, groups) = p.predict(hit, p, &mut scratch);
+    let mut field: Vec<Vec3> = groups.iter().flat_map(|u| (0..GROUP).map(|i| u.map(|along| along[i]).into())).collect();
+    field.resize(p.body.count, Vec3::ZERO);
     (told, field)
 }
 
@@ -128,7 +128,7 @@ fn hit(p: &Rule, contact: Vec3, energy: f32) -> (Prediction, Vec<Vec3>) {
 fn strike(p: &Rule, contact: Vec3, blow: &Blow) -> (Prediction, Vec<Vec3>) {
     match p.strike(blow, Vec3::Z) {
         Some(strike) => predict(p, &Hit { contact, normal: Vec3::Z, told: Told::Strike(strike) }),
-        None => (Prediction::default(), vec![Vec3::ZERO; p.body.points.len()]),
+        None => (Prediction::default(), vec![Vec3::ZERO; p.body.count]),
     }
 }
 
