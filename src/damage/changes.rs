@@ -14,10 +14,11 @@ pub(crate) struct Changes {
 }
 
 impl Changes {
-    /// Marks the blocks with vertices that follow a node, at the last epoch.
-    pub(crate) fn node(&mut self, set: &ExampleSet, node: u32) {
+    /// Marks the blocks with vertices that follow some nodes of a group, at the last epoch. `nodes` has a bit for each.
+    pub(crate) fn nodes(&mut self, set: &ExampleSet, group: usize, nodes: u32) {
         for (mesh, blocks) in set.nodes().followers.iter().zip(&mut self.blocks) {
-            mesh.of(node as usize).iter().for_each(|b| blocks[*b as usize] = self.epoch);
+            let changed = mesh.of(group).iter().filter(|(_, followed)| followed & nodes != 0);
+            changed.for_each(|(b, _)| blocks[*b as usize] = self.epoch);
         }
     }
 

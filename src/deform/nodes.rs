@@ -4,7 +4,7 @@
 //! taken away again, and the sums have the same bits whatever happened before.
 
 use super::view::{NodeSteps, NodeView};
-use crate::base::math::{MOST_WHOLE, small_whole};
+use crate::base::math::{MOST_WHOLE, Work, small_whole, widest};
 use crate::basis::field::{GROUP, MOST, NodeField};
 use crate::damage::dent::Dent;
 use crate::damage::list::{Damage, walk};
@@ -63,8 +63,9 @@ impl NodeState {
         NodeView { steps: &self.steps, step: self.step, farthest: self.farthest }
     }
 
-    /// Shows the damage, with nodes that approach `limit` (m). Calls `changed` with the nodes whose steps changed.
-    pub(crate) fn show(&mut self, damage: &Damage, limit: f32, mut changed: impl FnMut(u32)) {
+    /// Shows the damage, with nodes that approach `limit` (m). Calls `changed` with each group whose steps changed, and a bit for each node of
+    /// it that did.
+    pub(crate) fn show(&mut self, damage: &Damage, limit: f32, mut changed: impl FnMut(usize, u32)) {
         let limit = limit.min(self.most);
         if self.steps.is_empty() {
             if damage.dents().is_empty() {
@@ -96,14 +97,11 @@ impl NodeState {
         self.shown.extend(damage.dents().iter().map(Dent::field).map(|(field, factor)| (field.clone(), factor)));
         let (limit, step, unit) = (self.limit, self.step, self.unit);
         let groups = self.is_touched.iter_mut().zip(&self.sums).zip(self.steps.chunks_mut(GROUP));
-        let groups = (0..).step_by(GROUP).zip(groups).filter(|(_, ((is_touched, _), _))| **is_touched);
-        for (first, ((is_touched, sums), steps)) in groups {
-            *is_touched = false;
-            let now = in_steps_of(sums, unit, limit, step);
-            for (node, (steps, now)) in (first..).zip(steps.iter_mut().zip(now)) {
-                let before = std::mem::replace(steps, now);
-                if before != now || everything && before != [0; 4] {
-                    changed(node);
+        for (group, ((is_touched, sums), steps)) in groups.enumerate() {
+            if std::mem::take(is_touched) {
+                let nodes = widest(Stepping { sums, unit, limit, step, steps, everything });
+                if nodes != 0 {
+                    changed(group, nodes);
                 }
             }
         }
@@ -116,16 +114,9 @@ impl NodeState {
             return;
         }
         let per_step = factors.map(|factor| (factor * (field.step() / self.unit)).clamp(f32::MIN, f32::MAX));
-        let longest = self.longest;
-        // The same numbers whenever the same dent comes or goes.
-        let units = |x: i16, per_step: f32| small_whole((f32::from(x) * per_step).clamp(-longest, longest));
         for (group, moves) in field.groups() {
             let group = group as usize;
-            for (sums, moves) in self.sums[group].iter_mut().zip(moves) {
-                for (sum, x) in sums.iter_mut().zip(moves) {
-                    *sum += units(*x, per_step[1]) - units(*x, per_step[0]);
-                }
-            }
+            widest(Adding { sums: &mut self.sums[group], moves, per_step, longest: self.longest });
             self.is_touched[group] = true;
         }
     }
@@ -140,26 +131,74 @@ impl NodeState {
     }
 }
 
-/// The displacements of a group's nodes, which approach the depth limit instead of being cut to it, so that many dents leave no
-/// plateau: up to [`FREE`] of the limit they are the sums, beyond it they grow ever more slowly. Only IEEE operations.
-fn in_steps_of(sums: &[[i32; GROUP]; 3], unit: f32, limit: f32, step: f32) -> [NodeSteps; GROUP] {
-    let (free, rest) = (FREE * limit, limit - FREE * limit);
-    let mut steps = [[0; GROUP]; 4];
-    for i in 0..GROUP {
-        let u = [0, 1, 2].map(|k| sums[k][i] as f32 * unit);
-        let length = (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]).sqrt();
-        let beyond = length - free;
-        let shorter = (free + rest * (beyond / (rest + beyond))) / length;
-        // A length that overflows is cut.
-        let factor = if length > free && length < f32::INFINITY { shorter } else { 1.0 };
-        let u = u.map(|x| small_whole((x * factor / step).clamp(-MOST, MOST)));
-        let [x, y, z] = u.map(|x| x as f32);
-        let length = (x * x + y * y + z * z).sqrt();
-        let near = small_whole(length);
-        let above = near + i32::from((near as f32) < length);
-        steps.iter_mut().zip([u[0], u[1], u[2], above]).for_each(|(to, x)| to[i] = x as i16);
+/// Adds a field of a group's nodes in units, times the second factor, and takes it away times the first.
+struct Adding<'a> {
+    sums: &'a mut [[i32; GROUP]; 3],
+    moves: &'a [[i16; GROUP]; 3],
+    per_step: [f32; 2],
+    longest: f32,
+}
+
+impl Work for Adding<'_> {
+    type Done = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (longest, [from, to]) = (self.longest, self.per_step);
+        // The same numbers whenever the same dent comes or goes.
+        let units = |x: i16, per_step: f32| small_whole((f32::from(x) * per_step).clamp(-longest, longest));
+        for (sums, moves) in self.sums.iter_mut().zip(self.moves) {
+            for (sum, x) in sums.iter_mut().zip(moves) {
+                *sum += units(*x, to) - units(*x, from);
+            }
+        }
     }
-    std::array::from_fn(|i| steps.each_ref().map(|along| along[i]))
+}
+
+/// Sets the steps of a group's nodes, which approach the depth limit instead of being cut to it, so that many dents leave no
+/// plateau: up to [`FREE`] of the limit they are the sums, beyond it they grow ever more slowly. Only IEEE operations.
+/// Returns a bit for each node whose steps changed; for each that moves or moved, with `everything`.
+struct Stepping<'a> {
+    sums: &'a [[i32; GROUP]; 3],
+    unit: f32,
+    limit: f32,
+    step: f32,
+    steps: &'a mut [NodeSteps],
+    everything: bool,
+}
+
+impl Work for Stepping<'_> {
+    type Done = u32;
+
+    #[inline(always)]
+    fn run(self) -> u32 {
+        let Stepping { sums: [x, y, z], unit, limit, step, steps, everything } = self;
+        let (free, rest) = (FREE * limit, limit - FREE * limit);
+        let mut now = [[0i16; GROUP]; 4];
+        let [to_x, to_y, to_z, to_length] = &mut now;
+        let whole = |x: f32| small_whole((x / step).clamp(-MOST, MOST));
+        for i in 0..GROUP {
+            let (x, y, z) = (x[i] as f32 * unit, y[i] as f32 * unit, z[i] as f32 * unit);
+            let length = (x * x + y * y + z * z).sqrt();
+            let beyond = length - free;
+            let shorter = (free + rest * (beyond / (rest + beyond))) / length;
+            // A length that overflows is cut.
+            let factor = if (length > free) & (length < f32::INFINITY) { shorter } else { 1.0 };
+            let (x, y, z) = (whole(x * factor), whole(y * factor), whole(z * factor));
+            (to_x[i], to_y[i], to_z[i]) = (x as i16, y as i16, z as i16);
+            let (x, y, z) = (x as f32, y as f32, z as f32);
+            let length = (x * x + y * y + z * z).sqrt();
+            let near = small_whole(length);
+            to_length[i] = (near + i32::from((near as f32) < length)) as i16;
+        }
+        let mut changed = 0;
+        for (i, steps) in steps.iter_mut().enumerate().take(GROUP) {
+            let now = [now[0][i], now[1][i], now[2][i], now[3][i]];
+            let before = std::mem::replace(steps, now);
+            changed |= u32::from(before != now || everything && before != [0; 4]) << i;
+        }
+        changed
+    }
 }
 
 /// Nodes move no further than this many times the set's own depth limit, whatever that of the instance: so that steps stay fine.

@@ -9,6 +9,7 @@ use super::rule::{LearnedRule, Source};
 use crate::base::array::Array;
 use crate::base::error::Error;
 use crate::base::lists::Lists;
+use crate::basis::field::GROUP;
 use crate::basis::learn::BasisReport;
 use crate::basis::{Rows, TILE};
 use crate::mesh::nearest::{Nearest, VertexIndex};
@@ -59,19 +60,25 @@ pub(crate) struct SetNodes {
     /// The nodes as a mesh without triangles, with the set's examples on it.
     pub lod: MeshLod,
     /// For each mesh of the set and each node, the blocks that have a vertex which follows it.
-    pub followers: Vec<Lists<u32>>,
+    pub followers: Vec<Lists<(u32, u32)>>,
 }
 
-/// For each of some nodes the blocks that have a vertex which follows it.
-fn followers(rows: &Rows, nodes: usize) -> Lists<u32> {
-    let block = |tile: usize| (tile / (BLOCK / TILE)) as u32;
-    // Each node and block once, by block.
-    Lists::new(nodes, || {
-        let all =
-            (0..rows.tiles.len()).flat_map(|tile| rows.nodes_of(tile).iter().map(move |n| (*n as usize, block(tile))));
-        let mut last = vec![u32::MAX; nodes];
-        all.filter(move |(node, block)| std::mem::replace(&mut last[*node], *block) != *block)
-    })
+/// For each group of nodes the blocks that have a vertex which follows one of them, each with a bit for each node.
+fn followers(rows: &Rows, nodes: usize) -> Lists<(u32, u32)> {
+    let mut groups: Vec<Vec<(u32, u32)>> = vec![Vec::new(); nodes.div_ceil(GROUP)];
+    for tile in 0..rows.tiles.len() {
+        let block = (tile / (BLOCK / TILE)) as u32;
+        for node in rows.nodes_of(tile) {
+            let (group, bit) = (&mut groups[*node as usize / GROUP], 1 << (*node as usize % GROUP));
+            match group.last_mut() {
+                Some((last, bits)) if *last == block => *bits |= bit,
+                _ => group.push((block, bit)),
+            }
+        }
+    }
+    let mut lists = Lists::default();
+    groups.iter().for_each(|group| lists.push(group));
+    lists
 }
 
 /// Maximum number of meshes of a set: the base mesh and its levels of detail.

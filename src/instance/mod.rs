@@ -265,7 +265,7 @@ impl Instance {
         if let ShapeState::Nodes(nodes) = &mut self.shape {
             let (changes, set) = (&mut self.changes, &self.set);
             changes.epoch += 1;
-            nodes.show(self.growth.shown(&self.damage), self.limit, |node| changes.node(set, node));
+            nodes.show(self.growth.shown(&self.damage), self.limit, |group, moved| changes.nodes(set, group, moved));
         }
     }
 

@@ -147,7 +147,7 @@ impl Instance {
         // Where dents grow, what is shown is not the damage.
         let complete = self.growth.is_growing().then(|| {
             let mut nodes = super::new_nodes(&self.set, &self.options);
-            nodes.show(&self.damage, self.limit, |_| ());
+            nodes.show(&self.damage, self.limit, |_, _| ());
             nodes
         });
         let mut view = self.view();
