@@ -47,19 +47,24 @@ fn gather(nodes: NodeView<'_>, of_tile: &[u32], moves: &mut Moves) -> u16 {
     most[6].max(most[7])
 }
 
-/// Weighted sums of the pairs' steps for all vertices of a tile, whose weights begin at `weights`. Groups of lanes are summed side by
+/// Weighted sums of the pairs' steps for all vertices of a tile, with each set of weights. Groups of lanes and sets are summed side by
 /// side, so that each pair's steps are loaded once.
 #[inline(always)]
-unsafe fn sums<S: Simd, const GROUPS: usize>(moves: &[Pairs], weights: *const i8) -> [[S::I; 3]; GROUPS] {
-    // SAFETY: the caller passes the weights of as many pairs, for whole tiles.
+unsafe fn sums<S: Simd, const GROUPS: usize, const SETS: usize>(
+    moves: &[Pairs],
+    weights: [*const i8; SETS],
+) -> [[[S::I; 3]; GROUPS]; SETS] {
+    // SAFETY: the caller passes where the weights of as many pairs begin, for whole tiles.
     unsafe {
-        let mut sums = [[S::splat_int(0); 3]; GROUPS];
+        let mut sums = [[[S::splat_int(0); 3]; GROUPS]; SETS];
         for (pair, moves) in moves.iter().enumerate() {
-            let own = weights.add(2 * pair * TILE);
             let steps = each!(k => S::splat_int(moves[k]));
-            for (group, sum) in sums.iter_mut().enumerate() {
-                let w = S::load_pairs(own.add(2 * group * S::LANES));
-                *sum = each!(k => S::add_int(sum[k], S::dot_pairs(w, steps[k])));
+            for (sums, weights) in sums.iter_mut().zip(weights) {
+                let own = weights.add(2 * pair * TILE);
+                for (group, sum) in sums.iter_mut().enumerate() {
+                    let w = S::load_pairs(own.add(2 * group * S::LANES));
+                    *sum = each!(k => S::add_pairs(sum[k], w, steps[k]));
+                }
             }
         }
         sums
@@ -112,7 +117,15 @@ pub(crate) unsafe fn follow<S: Simd, const GROUPS: usize, const NORMALS: bool>(
             let own = block.own.filter(|(least, _)| may_reach(longest, *least)).map(|(_, own)| own);
             let weights = block.rows.weights_of(tile);
             assert!(weights.len() == 2 * TILE * moves.len());
-            let moved = sums::<S, GROUPS>(moves, weights.as_ptr());
+            let [moved, along_x, along_y] = if NORMALS {
+                let slopes = block.rows.slopes_of(tile).unwrap_or_default();
+                assert!(slopes.len() == 2 * weights.len());
+                let sets = [weights.as_ptr(), slopes.as_ptr(), slopes.as_ptr().add(weights.len())];
+                sums::<S, GROUPS, 3>(moves, sets)
+            } else {
+                let [moved] = sums::<S, GROUPS, 1>(moves, [weights.as_ptr()]);
+                [moved; 3]
+            };
             let unit = S::splat(block.nodes.step / ONE as f32);
             let mut factors = [S::splat(1.0); GROUPS];
             for group in 0..GROUPS {
@@ -124,10 +137,8 @@ pub(crate) unsafe fn follow<S: Simd, const GROUPS: usize, const NORMALS: bool>(
                 extent.add_some(p, &positions[at..at + 3 * len], group);
             }
             let Some((base, normals)) = &mut normals else { continue };
-            let (slopes, units) = (block.rows.slopes_of(tile).unwrap_or_default(), block.rows.slope_units_of(tile));
-            assert!(slopes.len() == 2 * weights.len() && units.len() == TILE);
-            let along_x = sums::<S, GROUPS>(moves, slopes.as_ptr());
-            let along_y = sums::<S, GROUPS>(moves, slopes.as_ptr().add(weights.len()));
+            let units = block.rows.slope_units_of(tile);
+            assert!(units.len() == TILE);
             for group in 0..GROUPS {
                 let here = 3 * (first + group * S::LANES);
                 let n = load3::<S>(base.as_ptr().add(here));

@@ -27,9 +27,9 @@ compiled!(follow_avx2, "avx2", follow::follow::<Avx2, 2, false>,
     (block: &Following<'_>, moves: &mut Moves, positions: &mut Flat, normals: Normals<'_>) -> Bounds);
 compiled!(follow_normals_avx2, "avx2", follow::follow::<Avx2, 2, true>,
     (block: &Following<'_>, moves: &mut Moves, positions: &mut Flat, normals: Normals<'_>) -> Bounds);
-compiled!(follow_avx512, "avx512f,avx512bw,avx512dq,avx512vl,avx2", follow::follow::<Avx512, 1, false>,
+compiled!(follow_avx512, "avx512f,avx512bw,avx512dq,avx512vl,avx512vnni,avx2", follow::follow::<Avx512, 1, false>,
     (block: &Following<'_>, moves: &mut Moves, positions: &mut Flat, normals: Normals<'_>) -> Bounds);
-compiled!(follow_normals_avx512, "avx512f,avx512bw,avx512dq,avx512vl,avx2", follow::follow::<Avx512, 1, true>,
+compiled!(follow_normals_avx512, "avx512f,avx512bw,avx512dq,avx512vl,avx512vnni,avx2", follow::follow::<Avx512, 1, true>,
     (block: &Following<'_>, moves: &mut Moves, positions: &mut Flat, normals: Normals<'_>) -> Bounds);
 
 /// [`follow::follow`].

@@ -197,13 +197,18 @@ impl<'a> VertexMemory<'a> {
     /// `check_size` has passed for all vertices of `r`, and no other thread accesses them while the slice lives.
     #[allow(clippy::mut_from_ref)]
     pub(crate) unsafe fn positions(&self, r: Range<usize>) -> Option<&mut [f32]> {
-        let s = &self.position;
-        let first = s.data.wrapping_add(s.layout.offset + r.start * s.layout.stride).cast::<f32>();
-        if s.layout.stride != 12 || !first.is_aligned() {
-            return None;
-        }
-        // SAFETY: in bounds and unaliased, as the caller guarantees; aligned; any bytes are valid floats.
-        Some(unsafe { std::slice::from_raw_parts_mut(first, 3 * r.len()) })
+        // SAFETY: guaranteed by the caller.
+        unsafe { floats(&self.position, r) }
+    }
+
+    /// The same of normals; `None` also if there are none, or in another encoding.
+    ///
+    /// # Safety
+    /// As [`VertexMemory::positions`].
+    #[allow(clippy::mut_from_ref)]
+    pub(crate) unsafe fn normals(&self, r: Range<usize>) -> Option<&mut [f32]> {
+        // SAFETY: guaranteed by the caller.
+        self.normal.as_ref().and_then(|s| unsafe { floats(s, r) })
     }
 
     /// Writes positions, three floats each, starting at vertex `first`.
@@ -253,6 +258,20 @@ impl<'a> VertexMemory<'a> {
 fn octahedral(values: &mut [[u16; 2]]) -> RawStream {
     let layout = Attribute { offset: 0, stride: 4, format: Encoding::Octahedral16x2 };
     RawStream { data: values.as_mut_ptr().cast(), size: size_of_val(values), layout }
+}
+
+/// The vectors of vertices `r` as floats; `None` if they are none, not contiguous or not aligned.
+///
+/// # Safety
+/// They lie within the stream, and no other thread accesses them while the slice lives.
+#[allow(clippy::mut_from_ref)]
+unsafe fn floats(s: &RawStream, r: Range<usize>) -> Option<&mut [f32]> {
+    let first = s.data.wrapping_add(s.layout.offset + r.start * s.layout.stride).cast::<f32>();
+    if s.layout.format != Encoding::F32 || s.layout.stride != 12 || !first.is_aligned() {
+        return None;
+    }
+    // SAFETY: in bounds and unaliased, as the caller guarantees; aligned; any bytes are valid floats.
+    Some(unsafe { std::slice::from_raw_parts_mut(first, 3 * r.len()) })
 }
 
 /// Writes `N` numbers a vertex.

@@ -161,8 +161,11 @@ fn write_block(output: &Output<'_, '_>, block: usize, scratch: &mut Scratch) -> 
     let range = block_range(block, mesh.vertex_count());
     let n = 3 * range.len();
     let Scratch { evaluate: scratch, positions, normals } = scratch;
-    let wanted = output.with_normals().then_some(&mut *normals);
     // SAFETY: `check` passed for all vertices; the blocks of an output are distinct and outputs do not overlap.
+    let direct = unsafe { memory.normals(range.clone()) }.and_then(|to| to.first_chunk_mut());
+    let (is_direct, normals) = (direct.is_some(), direct.unwrap_or(normals));
+    let wanted = output.with_normals().then_some(&mut *normals);
+    // SAFETY: the same.
     let bounds = match unsafe { memory.positions(range.clone()) }.and_then(|to| to.first_chunk_mut()) {
         Some(positions) => evaluate::block(job, scratch, positions, wanted),
         None => {
@@ -173,7 +176,7 @@ fn write_block(output: &Output<'_, '_>, block: usize, scratch: &mut Scratch) -> 
         }
     };
     let normals = &normals[..n];
-    if memory.has_normals() {
+    if memory.has_normals() && !is_direct {
         // SAFETY: the same.
         unsafe { memory.write_normals(range.start, normals) };
     }

@@ -33,8 +33,7 @@ impl Simd for Avx2 {
         fn splat_int(x: i32) -> __m256i = _mm256_set1_epi32(x);
         fn truncate(a: __m256) -> __m256i = _mm256_cvttps_epi32(a);
         fn float(a: __m256i) -> __m256 = _mm256_cvtepi32_ps(a);
-        fn add_int(a: __m256i, b: __m256i) -> __m256i = _mm256_add_epi32(a, b);
-        fn dot_pairs(a: __m256i, b: __m256i) -> __m256i = _mm256_madd_epi16(a, b);
+        fn add_pairs(sum: __m256i, a: __m256i, b: __m256i) -> __m256i = _mm256_add_epi32(sum, _mm256_madd_epi16(a, b));
         fn load_pairs(p: *const i8) -> __m256i = _mm256_cvtepi8_epi16(_mm_loadu_si128(p.cast()));
         fn load_halves(p: *const u16) -> __m256 =
             _mm256_castsi256_ps(_mm256_slli_epi32::<16>(_mm256_cvtepu16_epi32(_mm_loadu_si128(p.cast()))));

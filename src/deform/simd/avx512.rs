@@ -47,8 +47,7 @@ impl Simd for Avx512 {
         fn splat_int(x: i32) -> __m512i = _mm512_set1_epi32(x);
         fn truncate(a: __m512) -> __m512i = _mm512_cvttps_epi32(a);
         fn float(a: __m512i) -> __m512 = _mm512_cvtepi32_ps(a);
-        fn add_int(a: __m512i, b: __m512i) -> __m512i = _mm512_add_epi32(a, b);
-        fn dot_pairs(a: __m512i, b: __m512i) -> __m512i = _mm512_madd_epi16(a, b);
+        fn add_pairs(sum: __m512i, a: __m512i, b: __m512i) -> __m512i = _mm512_dpwssd_epi32(sum, a, b);
         fn load_pairs(p: *const i8) -> __m512i = _mm512_cvtepi8_epi16(_mm256_loadu_si256(p.cast()));
         fn load_halves(p: *const u16) -> __m512 =
             _mm512_castsi512_ps(_mm512_slli_epi32::<16>(_mm512_cvtepu16_epi32(_mm256_loadu_si256(p.cast()))));

@@ -39,7 +39,7 @@ pub enum SimdLevel {
     Portable = 1,
     /// AVX2: eight lanes.
     Avx2 = 2,
-    /// AVX-512 (F, BW, DQ, VL): sixteen lanes where they are faster.
+    /// AVX-512 (F, BW, DQ, VL, VNNI): sixteen lanes where they are faster.
     Avx512 = 3,
 }
 
@@ -62,7 +62,9 @@ impl SimdLevel {
         #[cfg(target_arch = "x86_64")]
         {
             use std::arch::is_x86_feature_detected as has;
-            if has!("avx512f") && has!("avx512bw") && has!("avx512dq") && has!("avx512vl") && has!("avx2") {
+            let has_512 =
+                has!("avx512f") && has!("avx512bw") && has!("avx512dq") && has!("avx512vl") && has!("avx512vnni");
+            if has_512 && has!("avx2") {
                 return SimdLevel::Avx512;
             }
             if has!("avx2") {
@@ -142,9 +144,8 @@ pub(crate) trait Simd: Copy {
     /// Truncates towards zero. Values must be in the range of i32.
     unsafe fn truncate(a: Self::F) -> Self::I;
     unsafe fn float(a: Self::I) -> Self::F;
-    unsafe fn add_int(a: Self::I, b: Self::I) -> Self::I;
-    /// In each lane, the sum of the products of the two 16-bit numbers.
-    unsafe fn dot_pairs(a: Self::I, b: Self::I) -> Self::I;
+    /// Adds to each lane the products of the two 16-bit numbers of the others. No sum may overflow.
+    unsafe fn add_pairs(sum: Self::I, a: Self::I, b: Self::I) -> Self::I;
 
     /// Loads two 8-bit numbers a lane, as 16-bit numbers.
     unsafe fn load_pairs(p: *const i8) -> Self::I;

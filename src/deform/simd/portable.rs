@@ -35,7 +35,6 @@ impl Simd for Portable {
         fn splat_int(x: i32) -> i32x8 = i32x8::splat(x);
         fn truncate(a: f32x8) -> i32x8 = a.trunc_int();
         fn float(a: i32x8) -> f32x8 = a.round_float();
-        fn add_int(a: i32x8, b: i32x8) -> i32x8 = a + b;
         fn load_pairs(p: *const i8) -> i32x8 = bytemuck::cast(p.cast::<[i8; 16]>().read_unaligned().map(i16::from));
         fn load_halves(p: *const u16) -> f32x8 =
             f32x8::from(p.cast::<[u16; 8]>().read_unaligned().map(|h| f32::from_bits(u32::from(h) << 16)));
@@ -44,9 +43,10 @@ impl Simd for Portable {
     }
 
     #[inline(always)]
-    unsafe fn dot_pairs(a: i32x8, b: i32x8) -> i32x8 {
+    unsafe fn add_pairs(sum: i32x8, a: i32x8, b: i32x8) -> i32x8 {
         let (a, b): ([i16x8; 2], [i16x8; 2]) = (bytemuck::cast(a), bytemuck::cast(b));
-        bytemuck::cast([a[0].dot(b[0]), a[1].dot(b[1])])
+        let products: i32x8 = bytemuck::cast([a[0].dot(b[0]), a[1].dot(b[1])]);
+        sum + products
     }
     #[inline(always)]
     unsafe fn deinterleave([a, b, c]: [f32x8; 3]) -> [f32x8; 3] {
