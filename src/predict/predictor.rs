@@ -177,11 +177,7 @@ impl Work for Sight<'_> {
         for (first, (places, field)) in
             (0..).step_by(GROUP).zip(body.places.iter().zip(field.as_chunks::<{ 3 * GROUP }>().0))
         {
-            let mut distances = [0.0; GROUP];
-            for (i, distance) in distances.iter_mut().enumerate() {
-                let [x, y, z] = [0, 1, 2].map(|k| places.points[k][i] - view.contact[k]);
-                *distance = x * x + y * y + z * z;
-            }
+            let distances = squares(&places.points, view.contact);
             let (nearest, furthest) = distances.iter().fold((f32::INFINITY, 0.0f32), |(low, high), d| {
                 (if *d < low { *d } else { low }, if *d > high { *d } else { high })
             });
@@ -215,7 +211,7 @@ impl Work for Sight<'_> {
                     (0..3).for_each(|k| sum[k][i] *= fade);
                 }
             }
-            for four in squares(&sum).as_chunks::<4>().0 {
+            for four in squares(&sum, Vec3::ZERO).as_chunks::<4>().0 {
                 (0..4).for_each(|i| seen.sums[i] += f64::from(four[i]));
             }
             groups.push(sum);
@@ -238,12 +234,12 @@ impl Work for Scaling<'_> {
     fn run(self) {
         let mut longest = [0.0f32; GROUP];
         for group in &*self.groups {
-            let squares = squares(group);
+            let squares = squares(group, Vec3::ZERO);
             (0..GROUP).for_each(|i| longest[i] = if squares[i] > longest[i] { squares[i] } else { longest[i] });
         }
         let faint = self.faint * longest.iter().fold(0.0f32, |m, x| m.max(*x)).sqrt();
         for group in self.groups {
-            let squares = squares(group);
+            let squares = squares(group, Vec3::ZERO);
             for i in 0..GROUP {
                 let kept = (squares[i].sqrt() - faint) / faint.max(f32::MIN_POSITIVE);
                 let kept = if kept > 0.0 { kept } else { 0.0 };
@@ -255,12 +251,13 @@ impl Work for Scaling<'_> {
     }
 }
 
-/// Their squared lengths.
+/// Squared distances from a point.
 #[inline(always)]
-fn squares(group: &Group) -> [f32; GROUP] {
+fn squares(group: &Group, from: Vec3) -> [f32; GROUP] {
+    let [x, y, z] = group;
     let mut out = [0.0; GROUP];
     for i in 0..GROUP {
-        let [x, y, z] = [0, 1, 2].map(|k| group[k][i]);
+        let (x, y, z) = (x[i] - from.x, y[i] - from.y, z[i] - from.z);
         out[i] = x * x + y * y + z * z;
     }
     out
@@ -379,7 +376,7 @@ impl Predictor {
                 open += if v == contact { u } else { Vec3::ZERO };
                 (0..3).for_each(|axis| groups[v / GROUP][axis][v % GROUP] += u[axis]);
             });
-            total = groups.iter().flat_map(squares).map(f64::from).sum::<f64>().max(1e-30);
+            total = groups.iter().flat_map(|group| squares(group, Vec3::ZERO)).map(f64::from).sum::<f64>().max(1e-30);
         }
 
         // Of the field with a size of 1.
