@@ -1,6 +1,7 @@
 //! The vector math that marks depend on. It gives the same bits on every platform, because it uses only IEEE
 //! operations: glam's scalar `Vec3` and `Mat3`, square roots, and `libm` for the rest.
 
+use super::simd::Work;
 use glam::{DVec3, IVec3, Mat3, Mat4, Vec3, Vec4};
 
 /// An axis-aligned box, m. Empty when `min > max`.
@@ -176,28 +177,6 @@ pub(crate) fn transposed([a, b, c, d]: [Vec4; 4]) -> [Vec4; 4] {
     [columns.x_axis, columns.y_axis, columns.z_axis, columns.w_axis]
 }
 
-/// Work on many numbers, compiled for several instruction sets: [`Work::run`] and what it calls must be inlined.
-pub(crate) trait Work {
-    type Done;
-    fn run(self) -> Self::Done;
-}
-
-/// Does the work with vectors as wide as the processor has them. The bits are the same.
-pub(crate) fn widest<W: Work>(work: W) -> W::Done {
-    #[cfg(target_arch = "x86_64")]
-    {
-        #[target_feature(enable = "avx2")]
-        fn wide<W: Work>(work: W) -> W::Done {
-            work.run()
-        }
-        if std::arch::is_x86_feature_detected!("avx2") {
-            // SAFETY: the processor has these instructions.
-            return unsafe { wide(work) };
-        }
-    }
-    work.run()
-}
-
 /// Adds up to four rows of small whole numbers to `to`, each times its factor, one after the other.
 pub(crate) struct AddRows<'a> {
     pub to: &'a mut [f32],
@@ -235,6 +214,7 @@ pub(crate) fn cells_around(cell: IVec3) -> impl Iterator<Item = IVec3> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::simd::widest;
     use super::*;
 
     #[test]

@@ -7,6 +7,7 @@ pub(crate) mod lists;
 pub(crate) mod math;
 pub(crate) mod memory;
 pub(crate) mod pairs;
+pub(crate) mod simd;
 pub(crate) mod strided;
 pub(crate) mod sync;
 pub(crate) mod tasks;

@@ -1,7 +1,8 @@
 //! A displacement field as the nodes that it moves.
 
 use super::Rows;
-use crate::base::math::{Work, small_whole, widest};
+use crate::base::math::small_whole;
+use crate::base::simd::{Work, widest};
 use glam::Vec3;
 
 /// The largest number of steps along an axis.

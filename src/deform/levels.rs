@@ -2,9 +2,10 @@
 
 use super::follow::{self, Following, Moves, Normals};
 use super::kernel::{self, Flat};
+use super::simd::Portable;
 #[cfg(target_arch = "x86_64")]
 use super::simd::{Avx2, Avx512};
-use super::simd::{Portable, SimdLevel};
+use crate::base::simd::SimdLevel;
 use crate::mesh::vertex_blocks::BLOCK;
 use glam::Vec3;
 

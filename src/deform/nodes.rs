@@ -4,7 +4,8 @@
 //! taken away again, and the sums have the same bits whatever happened before.
 
 use super::view::{NodeSteps, NodeView};
-use crate::base::math::{MOST_WHOLE, Work, small_whole, widest};
+use crate::base::math::{MOST_WHOLE, small_whole};
+use crate::base::simd::{Work, widest};
 use crate::basis::field::{GROUP, MOST, NodeField};
 use crate::damage::dent::Dent;
 use crate::damage::list::{Damage, walk};
