@@ -18,8 +18,7 @@ use crate::{command, repo};
 pub const FILE: &str = "THIRD-PARTY-LICENSES.txt";
 /// The licenses of Rust's standard library, from Rust's distribution.
 pub const STANDARD_LIBRARY: &str = "RUST-STANDARD-LIBRARY-LICENSES.html";
-/// `REPOSITORY.txt`: license texts from the repositories of packages that were published without one, and `LICENSE.txt`: texts that
-/// are the same for everyone.
+/// `REPOSITORY.txt`: license texts from the repositories of packages that were published without one.
 const SUPPLIED: &str = "xtask/package/licenses";
 /// The names of files with license texts begin with these.
 const BEGINNINGS: &[&str] = &["license", "licence", "copying", "unlicense", "notice", "copyright"];
@@ -111,14 +110,14 @@ fn known(workspace: &Workspace, mut lines: Vec<String>, metadata: &[&str]) -> Re
 
 /// Writes the file into a folder, and the licenses of Rust's standard library beside it.
 pub fn write_all(workspace: &Workspace, linked: &[Linked], folder: &Path) -> Result<()> {
-    let apache = read(&workspace.path("LICENSE-APACHE"))?;
+    let common = common(workspace)?;
     let mut texts: Vec<(String, Vec<String>)> = Vec::new();
     let mut by_words: BTreeMap<Vec<String>, usize> = BTreeMap::new();
     let mut list = String::new();
     for package in linked {
         let title = format!("{} {}", package.name, package.version);
         let mut numbers = Vec::new();
-        for text in texts_of(package, &workspace.path(SUPPLIED), &apache)? {
+        for text in texts_of(package, &workspace.path(SUPPLIED), &common)? {
             // Texts that differ only in line breaks are one text.
             let words: Vec<String> = text.split_whitespace().map(str::to_owned).collect();
             let number = *by_words.entry(words).or_insert_with(|| {
@@ -144,8 +143,17 @@ pub fn write_all(workspace: &Workspace, linked: &[Linked], folder: &Path) -> Res
         .context("the licenses of Rust's standard library are missing: a toolchain of rustup's has them")
 }
 
-/// The license texts of a package: its own files, or the supplied text, or Apache's text if the package offers that license.
-fn texts_of(package: &Linked, supplied: &Path, apache: &str) -> Result<Vec<String>> {
+/// Licenses whose texts are the same for everyone, with the texts. cbindgen has that of Mozilla.
+fn common(workspace: &Workspace) -> Result<[(&'static str, String); 2]> {
+    let packages = workspace.packages(&[])?;
+    let cbindgen = packages.iter().find(|package| package["name"] == "cbindgen").context("cbindgen is a dependency")?;
+    let manifest = Path::new(cbindgen["manifest_path"].as_str().context("packages have manifests")?);
+    let mozilla = read(&manifest.with_file_name("LICENSE"))?;
+    Ok([("Apache-2.0", read(&workspace.path("LICENSE-APACHE"))?), ("MPL-2.0", mozilla)])
+}
+
+/// The license texts of a package: its own files, or the supplied text, or a common one that it offers.
+fn texts_of(package: &Linked, supplied: &Path, common: &[(&str, String)]) -> Result<Vec<String>> {
     let Linked { version, license, directory, repository, .. } = package;
     let mut texts = Vec::new();
     let entries = fs::read_dir(directory).with_context(|| format!("reading {}", directory.display()))?;
@@ -162,19 +170,19 @@ fn texts_of(package: &Linked, supplied: &Path, apache: &str) -> Result<Vec<Strin
         return Ok(texts);
     }
     let own = repository.trim_end_matches(".git").rsplit('/').next().unwrap_or_default();
-    for supplied in [format!("{own}.txt"), format!("{license}.txt")].map(|file| supplied.join(file)) {
-        if supplied.exists() {
-            return Ok(vec![read(&supplied)?]);
-        }
+    let supplied = supplied.join(format!("{own}.txt"));
+    if supplied.exists() {
+        return Ok(vec![read(&supplied)?]);
     }
-    if offers(license, &["Apache-2.0"]) {
-        return Ok(vec![apache.to_owned()]);
-    }
-    bail!(
-        "{} {version} ({license}) is linked and was published without the text of its license; \
-         put what its authors' repository has into {SUPPLIED}/{own}.txt",
-        package.name
-    )
+    let known = common.iter().find(|(name, _)| offers(license, &[name]));
+    let (_, text) = known.with_context(|| {
+        format!(
+            "{} {version} ({license}) is linked and was published without the text of its license; \
+             put what its authors' repository has into {SUPPLIED}/{own}.txt",
+            package.name
+        )
+    })?;
+    Ok(vec![text.clone()])
 }
 
 /// Fails if a library of an archive contains code of a package that is neither in `linked` nor, as `NAME-VERSION`, in `standard`. The
@@ -261,43 +269,31 @@ fn offers(expression: &str, allowed: &[&str]) -> bool {
 mod tests {
     use super::*;
 
-    fn texts(license: &str, files: &[(&str, &str)]) -> Result<Vec<String>> {
-        let scratch = tempfile::tempdir().unwrap();
-        let directory = scratch.path().join("denty-1.2.0");
-        fs::create_dir(&directory).unwrap();
-        for (name, text) in files {
-            fs::write(directory.join(name), text).unwrap();
-        }
-        let (name, version, repository) =
-            ("denty".into(), "1.2.0".into(), "https://example.org/dents/denty.git".into());
-        let package = Linked { name, version, license: license.into(), repository, from_crates_io: true, directory };
-        texts_of(&package, scratch.path(), "the Apache text")
-    }
-
     #[test]
-    fn a_packages_own_texts_come_first() {
+    fn a_packages_own_texts_come_first_then_one_that_it_may_be_used_under() {
+        let texts = |license: &str, files: &[(&str, &str)]| {
+            let scratch = tempfile::tempdir().unwrap();
+            let directory = scratch.path().to_path_buf();
+            for (name, text) in files {
+                fs::write(directory.join(name), text).unwrap();
+            }
+            let (name, version, repository) =
+                ("denty".into(), "1.2.0".into(), "https://example.org/dents/denty.git".into());
+            let package =
+                Linked { name, version, license: license.into(), repository, from_crates_io: true, directory };
+            texts_of(&package, scratch.path(), &[("Apache-2.0", "apache".into()), ("MPL-2.0", "mozilla".into())])
+        };
         let files = [("LICENSE-MIT", "mit"), ("COPYING", "copy"), ("lib.rs", "no"), ("NOTICE", " ")];
         assert_eq!(texts("MIT OR Apache-2.0", &files).unwrap(), ["copy", "mit"]);
-    }
-
-    #[test]
-    fn a_package_without_a_text_is_used_under_apache_where_it_may_be() {
+        assert_eq!(texts("MIT", &[("denty.txt", "supplied")]).unwrap(), ["supplied"]);
         for license in ["MIT OR Apache-2.0", "Zlib OR Apache-2.0 OR MIT", "Apache-2.0", "MIT/Apache-2.0"] {
-            assert_eq!(texts(license, &[]).unwrap(), ["the Apache text"]);
+            assert_eq!(texts(license, &[]).unwrap(), ["apache"]);
         }
-        for license in ["MIT", "Apache-2.0 AND MIT", "Apache-2.0 WITH LLVM-exception"] {
+        assert_eq!(texts("MPL-2.0", &[]).unwrap(), ["mozilla"]);
+        for license in ["MIT", "Apache-2.0 AND MIT", "Apache-2.0 WITH LLVM-exception", ""] {
             let error = texts(license, &[]).unwrap_err().to_string();
             assert!(error.contains("denty 1.2.0") && error.contains("denty.txt"), "{error}");
         }
-    }
-
-    #[test]
-    fn one_allowed_choice_is_enough() {
-        for expression in ["MIT", "GPL-3.0 OR MIT", "MIT/Unlicense", "MIT AND Zlib"] {
-            assert!(offers(expression, &["MIT", "Zlib"]), "{expression}");
-        }
-        for expression in ["GPL-3.0", "GPL-3.0 AND MIT", "", "see its text"] {
-            assert!(!offers(expression, &["MIT", "Zlib"]), "{expression}");
-        }
+        assert!(offers("GPL-3.0 OR MIT", ALLOWED) && offers("MIT AND Zlib", ALLOWED) && !offers("GPL-3.0", ALLOWED));
     }
 }
