@@ -7,7 +7,7 @@ use clap::Args;
 use xshell::cmd;
 
 use crate::files::{announce, copy_into, empty_directory, make, name, read, write};
-use crate::package::{archive, markdown};
+use crate::package::{archive, markdown, time};
 use crate::tools::{PYTHON311, XVFB};
 use crate::wine::Display;
 use crate::workspace::Workspace;
@@ -131,7 +131,7 @@ fn pack(workspace: &Workspace, wheel: &Path, out: &Path) -> Result<PathBuf> {
     write(&stage.join(MANIFEST), format!("{before}{lines}\n[permissions]{after}"))?;
     make(out)?;
     let path = out.join(format!("crumple-blender-{}-{system}.zip", workspace.version));
-    archive::zip(&stage, &path)?;
+    archive::write(&stage, &path, time(workspace)?)?;
     Ok(path)
 }
 

@@ -11,7 +11,7 @@ use clap::Args;
 use xshell::{Cmd, PushEnv, cmd};
 
 use crate::files::{announce, copy, copy_into, copy_tree, empty_directory, make, read, write};
-use crate::package::{archive, licenses, markdown, nothing_of_this_machine};
+use crate::package::{archive, licenses, markdown, nothing_of_this_machine, time};
 use crate::stage::all_passed;
 use crate::target::{self, Target};
 use crate::tools::{self, MINGW, WINDOWS_RUST};
@@ -248,7 +248,7 @@ pub fn pack(workspace: &Workspace, options: &Options) -> Result<()> {
     let out = workspace.path(&options.out);
     make(&out)?;
     let archive = out.join(format!("crumple-godot-{}.zip", workspace.version));
-    archive::zip(&stage.join("addons"), &archive)?;
+    archive::write(&stage.join("addons"), &archive, time(workspace)?)?;
     if options.demo {
         let project = out.join("demo");
         empty_directory(&project)?;

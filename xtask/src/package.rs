@@ -152,7 +152,7 @@ fn pack(workspace: &Workspace, parts: &Parts, out: &Path) -> Result<PathBuf> {
 }
 
 /// The modification time of every entry: `SOURCE_DATE_EPOCH`, or the time of the commit.
-fn time(workspace: &Workspace) -> Result<u64> {
+pub fn time(workspace: &Workspace) -> Result<u64> {
     if let Ok(seconds) = std::env::var("SOURCE_DATE_EPOCH") {
         return seconds
             .parse()

@@ -79,12 +79,9 @@ pub fn under_wine(workspace: &Workspace, parts: &Parts, archive: &Path, wine: &W
 
 /// Unpacks an archive, compares it with its manifest, and returns its folder.
 fn unpack(workspace: &Workspace, parts: &Parts, archive: &Path, root: &Path) -> Result<PathBuf> {
-    let (sh, target) = (&workspace.shell, &parts.library.target);
-    if target.is_windows() {
-        zip::ZipArchive::new(fs::File::open(archive)?)?.extract(root)?;
-    } else {
-        cmd!(sh, "tar -xzf {archive} -C {root} --no-same-owner -m").quiet().run()?;
-    }
+    let (sh, target) = (workspace.shell.clone(), &parts.library.target);
+    sh.change_dir(root);
+    cmd!(sh, "cmake -E tar xf {archive}").quiet().run()?;
     let folder = root.join(parts.name(workspace));
     ensure!(fs::read_dir(root)?.count() == 1 && folder.is_dir(), "{} holds another folder", archive.display());
     let manifest: Value = serde_json::from_str(&read(&folder.join(manifest::FILE))?).context("reading the manifest")?;
