@@ -1,6 +1,6 @@
 //! Coverage-guided fuzzing on the stable toolchain. Code generation flags switch on the compiler's coverage pass.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -22,7 +22,7 @@ const COVERAGE: &str = "--cfg=fuzzing -Cpasses=sancov-module -Cllvm-args=-saniti
 const STAGE_SECONDS: u32 = 10;
 /// Bytes and files of fuzz/corpus for each target. Every clone carries them.
 const KEPT_BYTES: u64 = 30_000;
-const KEPT_FILES: u32 = 64;
+const KEPT_FILES: usize = 64;
 
 #[derive(Args, Default)]
 pub struct Options {
@@ -121,26 +121,24 @@ impl Target<'_> {
         Ok((format!("{name} (what broke it lies in {})", found.display()), fuzz.into()))
     }
 
-    /// Replaces what is kept by those inputs of the corpus that reach most new code for their size.
+    /// Replaces what is kept by the smallest of those inputs of the corpus that together reach all that it reaches.
     fn keep(&self) -> Result<()> {
         let Self { workspace, program, corpus, kept, .. } = self;
-        let (merged, control) = (corpus.with_extension("merged"), corpus.with_extension("control"));
+        let merged = corpus.with_extension("merged");
         empty_directory(&merged)?;
-        let _ = fs::remove_file(&control);
-        cmd!(workspace.shell, "{program} -merge=1 -merge_control_file={control} {merged} {corpus}").quiet().run()?;
-        let text = read(&control).context("libFuzzer's control file")?;
-        let sized = |(file, edges)| Ok((fs::metadata(file)?.len().max(1), edges, file));
-        let mut best: Vec<(u64, u64, &str)> = new_code(&text).into_iter().map(sized).collect::<Result<_>>()?;
-        best.sort_by_key(|(size, edges, file)| (std::cmp::Reverse(edges * KEPT_BYTES / size), *file));
+        cmd!(workspace.shell, "{program} -set_cover_merge=1 {merged} {corpus}").quiet().run()?;
+        let sized = |file: PathBuf| Ok((fs::metadata(&file)?.len(), file));
+        let mut all = files(&merged)?.into_iter().map(sized).collect::<Result<Vec<_>>>()?;
+        all.sort();
         empty_directory(kept)?;
-        let (mut total, mut files) = (0, 0);
-        for (size, _, file) in best {
-            if total + size <= KEPT_BYTES && files < KEPT_FILES {
-                (total, files) = (total + size, files + 1);
-                copy_into(Path::new(file), kept)?;
+        let (mut total, mut count) = (0, 0);
+        for (size, file) in all {
+            if total + size <= KEPT_BYTES && count < KEPT_FILES {
+                (total, count) = (total + size, count + 1);
+                copy_into(&file, kept)?;
             }
         }
-        println!("{} holds {files} files of {total} bytes", kept.display());
+        println!("{} holds {count} files of {total} bytes", kept.display());
         Ok(())
     }
 
@@ -164,16 +162,6 @@ impl Target<'_> {
         };
         Ok(named.lines().zip(reached).filter_map(line).collect())
     }
-}
-
-/// The files of libFuzzer's control file, each with the number of edges that no smaller file reaches.
-fn new_code(control: &str) -> HashMap<&str, u64> {
-    let files: Vec<&str> = control.lines().skip(2).take_while(|line| !line.starts_with("STARTED ")).collect();
-    let edges = |line: &'_ str| {
-        let mut words = line.strip_prefix("COV ")?.split(' ');
-        Some((words.next()?.parse::<usize>().ok()?, words.count() as u64))
-    };
-    control.lines().filter_map(edges).filter_map(|(i, n)| Some((*files.get(i)?, n))).filter(|(_, n)| *n > 0).collect()
 }
 
 /// Prints for each room how many of the lines where the compiler counts any of the targets reached.
@@ -242,13 +230,4 @@ pub fn build_for_stage(workspace: &Workspace) -> Result<()> {
 fn for_stage() -> Options {
     // Ten seconds are shorter than what the compiler takes to optimise.
     Options { seconds: STAGE_SECONDS, jobs: jobs(), seed: 1, profile: "quick".into(), ..Options::default() }
-}
-
-#[cfg(test)]
-mod tests {
-    #[test]
-    fn files_with_new_edges_are_found_in_a_control_file() {
-        let control = "2\n0\na\nb\nSTARTED 0 5\nFT 0 1 2\nCOV 0 7 8\nSTARTED 1 6\nFT 1 3\nCOV 1\n";
-        assert_eq!(super::new_code(control).into_iter().collect::<Vec<_>>(), [("a", 2)]);
-    }
 }
