@@ -12,8 +12,6 @@ pub struct Report {
     /// Vertices of triangles, and those of them whose position changed.
     pub vertices: usize,
     pub moved: usize,
-    /// Morph targets that are left.
-    pub targets: usize,
     /// What changed that should not have.
     pub differences: Vec<String>,
 }
@@ -270,7 +268,6 @@ pub fn compare(source: &Path, folder: &Path, output: &Path) -> Report {
         if parts_a.len() != parts_b.len() || a["name"] != b["name"] {
             report.differences.push(format!("{name}: another number of primitives or another name"));
         }
-        report.targets += list(&parts_b[0]["targets"]).len();
         for (i, (p, q)) in parts_a.iter().zip(parts_b).enumerate() {
             let weights = before.json["nodes"][*node].get("weights").unwrap_or(&a["weights"]);
             let shown = shown(&before, p, weights);
@@ -430,23 +427,6 @@ fn targets((before, after): (&File, &File), (a, b): (&Value, &Value), differ: &m
             differ(format!("target {i}"));
         }
     }
-}
-
-/// The sum of the areas of a file's triangles, and whether all face to the side of the first.
-pub fn area(file: &File) -> (f64, bool) {
-    let mut all = Vec::new();
-    for (_, mesh, _) in file.shown() {
-        for p in list(&mesh["primitives"]) {
-            let Some(at) = file.elements(&p["attributes"]["POSITION"]) else { continue };
-            let corner = |v: usize| DVec3::from_slice(&at.values[v]);
-            all.extend(
-                file.triangles(p)
-                    .into_iter()
-                    .map(|[a, b, c]| (corner(b) - corner(a)).cross(corner(c) - corner(a)) / 2.0),
-            );
-        }
-    }
-    (all.iter().map(|n| n.length()).sum(), all.iter().all(|n| n.dot(all[0]) > 0.0))
 }
 
 /// A value of the file by a pointer; `{n}` after the pointer of an accessor's index is the n-th element.
