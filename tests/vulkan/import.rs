@@ -1,12 +1,11 @@
-//! Memory that an engine's device exported, written by a device of Crumple's own: in the same process, and in another.
+//! Memory that an engine's device exported, written by a device of Crumple's own.
 #![cfg(target_os = "linux")]
 
 use std::os::fd::{AsRawFd, FromRawFd, OwnedFd};
-use std::process::{Command, Stdio};
 
 use ash::khr;
 use crumple::vulkan::{BufferId, ImportDef, OwnDevice, OwnDeviceDef, RecordJob, SemaphoreId, Shared, vk};
-use crumple::{Error, ErrorKind, Instance};
+use crumple::{Error, ErrorKind};
 
 use crate::gpu::compare::Expected;
 use crate::gpu::layout::TestLayout;
@@ -17,6 +16,7 @@ use crate::scenes;
 
 const EXTENSIONS: [&std::ffi::CStr; 2] = [khr::external_memory_fd::NAME, khr::external_semaphore_fd::NAME];
 const TYPE: vk::ExternalMemoryHandleTypeFlags = vk::ExternalMemoryHandleTypeFlags::OPAQUE_FD;
+const SEMAPHORE: vk::ExternalSemaphoreHandleTypeFlags = vk::ExternalSemaphoreHandleTypeFlags::OPAQUE_FD;
 
 /// A buffer in exported memory.
 struct Exported {
@@ -97,73 +97,74 @@ fn hand_over(engine: &Engine, buffer: vk::Buffer, ours: bool) {
     });
 }
 
+/// Whether the driver exports semaphores.
+fn has_semaphores(engine: &Engine) -> bool {
+    let info = vk::PhysicalDeviceExternalSemaphoreInfo::default().handle_type(SEMAPHORE);
+    let mut found = vk::ExternalSemaphoreProperties::default();
+    // SAFETY: a valid device.
+    unsafe {
+        engine.instance().get_physical_device_external_semaphore_properties(engine.physical, &info, &mut found);
+    }
+    found.external_semaphore_features.contains(vk::ExternalSemaphoreFeatureFlags::EXPORTABLE)
+}
+
+/// A semaphore of the engine's, and that of Crumple's device which is the same.
+fn semaphore(engine: &Engine, own: &mut OwnDevice) -> (vk::Semaphore, SemaphoreId) {
+    let mut export = vk::ExportSemaphoreCreateInfo::default().handle_types(SEMAPHORE);
+    let info = vk::SemaphoreCreateInfo::default().push_next(&mut export);
+    // SAFETY: valid arguments.
+    unsafe {
+        let handle = engine.device.create_semaphore(&info, None).unwrap();
+        let get = khr::external_semaphore_fd::Device::new(engine.instance(), &engine.device);
+        let info = vk::SemaphoreGetFdInfoKHR::default().semaphore(handle).handle_type(SEMAPHORE);
+        let fd = OwnedFd::from_raw_fd(get.get_semaphore_fd(&info).unwrap());
+        (handle, own.import_semaphore(Shared::OpaqueFd(fd.as_raw_fd())).unwrap())
+    }
+}
+
 #[test]
-fn semaphores_order_the_two_devices_where_the_driver_has_them() {
-    let set = scenes::ball_set();
+fn exported_memory_is_written_between_semaphores_or_waits() {
+    let set = scenes::sheet_set();
     on_each_device_with(&EXTENSIONS, |engine| {
-        let mut own = own(engine);
-        let there = {
-            let info = vk::PhysicalDeviceExternalSemaphoreInfo::default()
-                .handle_type(vk::ExternalSemaphoreHandleTypeFlags::OPAQUE_FD);
-            let mut properties = vk::ExternalSemaphoreProperties::default();
-            // SAFETY: a valid device.
-            unsafe {
-                engine.instance().get_physical_device_external_semaphore_properties(
-                    engine.physical,
-                    &info,
-                    &mut properties,
-                );
-            }
-            properties.external_semaphore_features.contains(vk::ExternalSemaphoreFeatureFlags::EXPORTABLE)
+        let (mut own, mut instance) = (own(engine), folded(&set, 4, 5));
+        let layout = TestLayout::everything(&set, 0, 8);
+        let exported = export(engine, layout.offset + layout.size + 8);
+        let id = import(&mut own, &exported.def).unwrap();
+        let mut target = own.device().add_target(&set, &layout.def(id)).unwrap();
+        let mut wanted = Expected::poison(exported.seen.words().len());
+        let mut write = |own: &mut OwnDevice, waits: &[SemaphoreId], signals: &[SemaphoreId], round| {
+            let jobs = &mut [RecordJob { instance: &instance, target: &mut target }];
+            let (frame, _) = own.submit(jobs, waits, signals).unwrap();
+            layout.expect(&mut instance, &mut wanted);
+            hit(&mut instance, 1, round);
+            (frame, wanted.clone())
         };
-        if !there {
+        hand_over(engine, exported.seen.handle, false);
+        let (frame, wanted) = write(&mut own, &[], &[], 0);
+        assert!(own.wait(frame, u64::MAX).unwrap());
+        hand_over(engine, exported.seen.handle, true);
+        wanted.compare(exported.seen.words(), &engine.tested, "after a wait");
+        if !has_semaphores(engine) {
             // SAFETY: refused before the handle is looked at.
             refused(unsafe { own.import_semaphore(Shared::OpaqueFd(0)) }, ErrorKind::Unsupported, &["fence"]);
             return;
         }
         // SAFETY: nothing that Vulkan could take for a semaphore.
         assert!(unsafe { own.import_semaphore(Shared::OpaqueFd(-1)) }.is_err());
-        let semaphore = || {
-            let kind = vk::ExternalSemaphoreHandleTypeFlags::OPAQUE_FD;
-            let mut export = vk::ExportSemaphoreCreateInfo::default().handle_types(kind);
-            let info = vk::SemaphoreCreateInfo::default().push_next(&mut export);
-            // SAFETY: valid arguments.
-            unsafe {
-                let handle = engine.device.create_semaphore(&info, None).unwrap();
-                let get = khr::external_semaphore_fd::Device::new(engine.instance(), &engine.device);
-                let info = vk::SemaphoreGetFdInfoKHR::default().semaphore(handle).handle_type(kind);
-                (handle, OwnedFd::from_raw_fd(get.get_semaphore_fd(&info).unwrap()))
-            }
+        let [ready, done] = [(); 2].map(|()| semaphore(engine, &mut own));
+        let submit = |info: vk::SubmitInfo| {
+            // SAFETY: valid semaphores.
+            unsafe { engine.device.queue_submit(engine.queue, &[info], vk::Fence::null()) }.unwrap();
         };
-        let (ready, done) = (semaphore(), semaphore());
-        let mut import_semaphore = |fd: &OwnedFd| -> SemaphoreId {
-            // SAFETY: a semaphore of the same driver.
-            unsafe { own.import_semaphore(Shared::OpaqueFd(fd.as_raw_fd())) }.unwrap()
-        };
-        let (wait, signal) = (import_semaphore(&ready.1), import_semaphore(&done.1));
-        let layout = TestLayout::everything(&set, 0, 0);
-        let exported = export(engine, layout.size);
-        let id = import(&mut own, &exported.def).unwrap();
-        let mut instance = folded(&set, 2, 4);
-        let mut target = own.device().add_target(&set, &layout.def(id)).unwrap();
-        let mut wanted = Expected::poison(exported.seen.words().len());
-        for round in 0..3 {
-            let (signals, waits) = ([ready.0], [done.0]);
+        for round in 1..4 {
+            // The engine signals, Crumple waits and signals, the engine waits.
+            submit(vk::SubmitInfo::default().signal_semaphores(&[ready.0]));
+            let (_, wanted) = write(&mut own, &[ready.1], &[done.1], round);
             let stages = [vk::PipelineStageFlags::ALL_COMMANDS];
-            // SAFETY: valid arguments: the engine signals, Crumple waits and signals, the engine waits.
-            unsafe {
-                let first = vk::SubmitInfo::default().signal_semaphores(&signals);
-                engine.device.queue_submit(engine.queue, &[first], vk::Fence::null()).unwrap();
-                let jobs = &mut [RecordJob { instance: &instance, target: &mut target }];
-                own.submit(jobs, &[wait], &[signal]).unwrap();
-                let last = vk::SubmitInfo::default().wait_semaphores(&waits).wait_dst_stage_mask(&stages);
-                engine.device.queue_submit(engine.queue, &[last], vk::Fence::null()).unwrap();
-            }
+            submit(vk::SubmitInfo::default().wait_semaphores(&[done.0]).wait_dst_stage_mask(&stages));
             // The engine's queue alone is waited for.
             engine.wait();
-            layout.expect(&mut instance, &mut wanted);
             wanted.compare(exported.seen.words(), &engine.tested, &format!("round {round}"));
-            hit(&mut instance, 1, round);
         }
         drop(own);
         // SAFETY: nothing uses them any more.
@@ -208,76 +209,4 @@ fn what_is_no_memory_of_the_driver_is_refused() {
         refused(open(OwnDeviceDef { device_uuid: Some([0xEE; 16]), ..good }), Unsupported, &[&found]);
         refused(open(OwnDeviceDef { workgroup_size: 7, ..good }), InvalidArgument, &["workgroup_size"]);
     });
-}
-
-/// The numbers of an import, from one process to another.
-const ACROSS: &str = "CRUMPLE_TEST_IMPORT";
-
-fn across() -> (Instance, TestLayout) {
-    let set = scenes::sheet_set();
-    let layout = TestLayout::everything(&set, 0, 8);
-    (folded(&set, 4, 5), layout)
-}
-
-#[test]
-fn another_process_writes_exported_memory() {
-    on_each_device_with(&EXTENSIONS, |engine| {
-        let (mut instance, layout) = across();
-        let exported = export(engine, layout.offset + layout.size + 8);
-        hand_over(engine, exported.seen.handle, false);
-        let ImportDef { memory_size, memory_type, offset, size, .. } = exported.def;
-        let uuid: String = uuid(engine).iter().map(|b| format!("{b:02x}")).collect();
-        let numbers = format!("{memory_size} {memory_type} {offset} {size} {uuid}");
-        let mut child = Command::new(std::env::current_exe().unwrap());
-        child.args(["--exact", "import::in_another_process", "--ignored", "--nocapture"]).env(ACROSS, numbers);
-        // Its own device is under validation too, which prints what it finds.
-        if engine.validated() {
-            child.env("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation");
-            child.env("VK_LAYER_ENABLES", "VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT");
-        }
-        let out = child.stdin(Stdio::from(exported.fd)).output().unwrap();
-        let text = String::from_utf8_lossy(&out.stdout) + String::from_utf8_lossy(&out.stderr);
-        assert!(
-            out.status.success() && text.contains("1 passed") && !text.contains("VUID"),
-            "{}: {text}",
-            engine.tested.name
-        );
-        assert!(!text.contains("Validation Error") && !text.contains("SYNC-HAZARD"), "{text}");
-        hand_over(engine, exported.seen.handle, true);
-        let mut wanted = Expected::poison(exported.seen.words().len());
-        layout.expect(&mut instance, &mut wanted);
-        wanted.compare(exported.seen.words(), &engine.tested, "from another process");
-    });
-}
-
-#[test]
-#[ignore = "the other process of another_process_writes_exported_memory"]
-fn in_another_process() {
-    let Ok(numbers) = std::env::var(ACROSS) else { return };
-    let parts: Vec<&str> = numbers.split(' ').collect();
-    let number = |i: usize| parts[i].parse::<u64>().unwrap();
-    let byte = |i: usize| u8::from_str_radix(&parts[4][2 * i..2 * i + 2], 16).unwrap();
-    // SAFETY: the system's loader.
-    let entry = unsafe { ash::Entry::load() }.unwrap();
-    let def = OwnDeviceDef {
-        device_uuid: Some(std::array::from_fn(byte)),
-        ..OwnDeviceDef::new(entry.static_fn().get_instance_proc_addr)
-    };
-    // SAFETY: the system's loader.
-    let mut own = unsafe { OwnDevice::new(&def) }.unwrap();
-    let import_def = ImportDef {
-        // Standard input is how the descriptor came.
-        memory: Shared::OpaqueFd(0),
-        memory_size: number(0),
-        memory_type: number(1) as u32,
-        dedicated: false,
-        offset: number(2),
-        size: number(3),
-        usage: Seen::USAGE,
-    };
-    let id = import(&mut own, &import_def).unwrap();
-    let (instance, layout) = across();
-    let mut target = own.device().add_target(instance.example_set(), &layout.def(id)).unwrap();
-    let (frame, _) = own.submit(&mut [RecordJob { instance: &instance, target: &mut target }], &[], &[]).unwrap();
-    assert!(own.wait(frame, u64::MAX).unwrap());
 }
