@@ -11,50 +11,35 @@ using Crumple.Native;
 static class LayoutTests
 {
     /// <summary>
-    /// Lines "struct size alignment" and "struct.field offset size", which a program generated from the header prints.
+    /// Lines "struct size" and "struct.field offset size", which a program generated from the header prints.
     /// </summary>
     public static string Table;
 
     public static void SizesAndOffsets()
     {
-        Assembly assembly = typeof(CrumpleMark).Assembly;
-        HashSet<string> seen = new HashSet<string>();
-        foreach (string line in File.ReadAllLines(Table))
+        string[] table = File.ReadAllLines(Table);
+        HashSet<string> named = new HashSet<string>(table.Select(line => line.Split(' ')[0]));
+        List<string> own = new List<string>();
+        foreach (Type type in typeof(CrumpleMark).Assembly.GetTypes().Where(type => type.Namespace == "Crumple" && named.Contains(type.Name)))
         {
-            string[] words = line.Split(' ');
-            string[] names = words[0].Split('.');
-            Type type = assembly.GetType("Crumple." + names[0], true);
-            Check.That(type.IsValueType && type.IsLayoutSequential, names[0] + " is a sequential struct");
-            if (names.Length == 1)
-            {
-                Check.Same(int.Parse(words[1]), Marshal.SizeOf(type), "size of " + names[0]);
-                // As a field, so that arrays of them are right too.
-                Check.Same(2 * Marshal.SizeOf(type), Twice(type), names[0] + "[2]");
-                seen.Add(names[0]);
-                continue;
-            }
-            string field = names[1];
-            Check.Same(int.Parse(words[1]), (int)Marshal.OffsetOf(type, field), "offset of " + words[0]);
-            Check.Same(int.Parse(words[2]), SizeOfField(type.GetField(field)), "size of " + words[0]);
-            seen.Add(words[0]);
-        }
-        // And nothing more than C has.
-        foreach (Type type in assembly.GetTypes().Where(type => type.IsValueType && !type.IsEnum && type.Namespace == "Crumple"))
-        {
-            if (!seen.Contains(type.Name)) continue;
+            Check.That(type.IsValueType && type.IsLayoutSequential, type.Name + " is a sequential struct");
+            own.Add(type.Name + " " + Stride(type));
             foreach (FieldInfo field in type.GetFields(BindingFlags.Instance | BindingFlags.Public | BindingFlags.NonPublic))
-                Check.That(seen.Contains(type.Name + "." + field.Name), "C has " + type.Name + "." + field.Name);
+                own.Add(type.Name + "." + field.Name + " " + Marshal.OffsetOf(type, field.Name) + " " + SizeOfField(field));
         }
-        Check.That(seen.Contains("CrumpleContactHit") && seen.Contains("CrumpleMark.Reserved"), "the table is whole");
+        Check.Same("", string.Join("; ", table.Except(own)), "only C has");
+        Check.Same("", string.Join("; ", own.Except(table)), "only C# has");
+        Check.That(named.Contains("CrumpleContactHit") && named.Contains("CrumpleMark.Reserved"), "the table is whole");
     }
 
-    static int Twice(Type type)
+    /// <summary>The bytes of an element of an array.</summary>
+    static long Stride(Type type)
     {
         Array two = Array.CreateInstance(type, 2);
         GCHandle pin = GCHandle.Alloc(two, GCHandleType.Pinned);
         long stride = Marshal.UnsafeAddrOfPinnedArrayElement(two, 1).ToInt64() - Marshal.UnsafeAddrOfPinnedArrayElement(two, 0).ToInt64();
         pin.Free();
-        return (int)(2 * stride);
+        return stride;
     }
 
     static int SizeOfField(FieldInfo field)

@@ -3,6 +3,7 @@ using System.Collections.Generic;
 using System.Runtime.CompilerServices;
 using System.Threading;
 using Crumple;
+using Crumple.Native;
 
 /// <summary>What is disposed of, in which order, and what becomes of what is forgotten.</summary>
 static class LifetimeTests
@@ -37,6 +38,7 @@ static class LifetimeTests
         for (int order = 0; order < 24; order++)
         {
             Scene scene = new Scene();
+            IntPtr native = scene.Context.Pointer;
             IDisposable[] all = { scene.Context, scene.Set, scene.Body, scene.Buffer };
             for (int left = 4, code = order; left > 0; code /= left, left--)
             {
@@ -52,6 +54,7 @@ static class LifetimeTests
             Check.Throws<ObjectDisposedException>(() => scene.Buffer.Id.ToString());
             Check.Throws<ObjectDisposedException>(() => scene.Context.Pointer.ToString());
             Check.That(scene.Context.IsDisposed, "disposed");
+            Check.Same(CrumpleResult.ErrorInvalidId, NativeMethods.crumple_context_destroy(native), "the library's context is gone");
         }
     }
 
