@@ -5,10 +5,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use xshell::{Cmd, cmd};
 
-use crate::files::empty_directory;
+use crate::files::{empty_directory, files};
 use crate::workspace::Workspace;
 use crate::{blender, command, godot, python, tools};
 
@@ -21,46 +21,37 @@ const REFUSED: &str =
 
 /// Blender opens every exported fixture and a body that the command dented.
 pub fn opened_by_blender(workspace: &Workspace) -> Result<()> {
-    let python = blender::module(workspace, blender::NEWEST)?;
-    let sh = &workspace.shell;
-    let _required = [sh.push_env("CRUMPLE_REQUIRE_BLENDER", "1"), sh.push_env("CRUMPLE_BLENDER_PYTHON", &python)];
-    let dented = exported(workspace)?;
-    cmd!(sh, "{python} tests/check_in_blender.py {dented}").ignore_stdout().run()?;
-    println!("Blender opens {}", dented.display());
+    let (python, files) = (blender::module(workspace, blender::NEWEST)?, exported(workspace)?);
+    let count = files.len();
+    cmd!(workspace.shell, "{python} tests/check_in_blender.py {files...}").quiet().ignore_stdout().run()?;
+    println!("Blender opens {count} files");
     Ok(())
 }
 
 /// The validator finds no error and no warning in the same files.
 pub fn valid(workspace: &Workspace) -> Result<()> {
-    install_validator(workspace)?;
-    let _required = workspace.shell.push_env("CRUMPLE_REQUIRE_VALIDATOR", "1");
-    let dented = exported(workspace)?;
-    validate(workspace, &[dented])
+    validate(workspace, &exported(workspace)?)
 }
 
 /// The validator finds no error and no warning in `files`.
 pub fn validate(workspace: &Workspace, files: &[PathBuf]) -> Result<()> {
-    install_validator(workspace)?;
-    cmd!(workspace.shell, "node tests/validate_gltf.js {files...}").quiet().run()?;
+    let modules = tools::npm(workspace, &workspace.target.join("validator"), &[VALIDATOR])?;
+    cmd!(workspace.shell, "node tests/validate_gltf.js {modules} {files...}").quiet().run()?;
     println!("the validator finds nothing in {} files", files.len());
     Ok(())
 }
 
-/// Installs it where tests/validate_gltf.js looks for it.
-fn install_validator(workspace: &Workspace) -> Result<()> {
-    tools::npm(workspace, &workspace.path("target/validator"), &[VALIDATOR]).map(drop)
-}
-
-/// Runs the exporter's tests. Returns the path of a body that the command dented.
-fn exported(workspace: &Workspace) -> Result<PathBuf> {
-    workspace.tests(&["--test", "export_gltf"]).run()?;
+/// What the exporter's tests write, and a body that the command dented.
+fn exported(workspace: &Workspace) -> Result<Vec<PathBuf>> {
     let (sh, program, body) = (&workspace.shell, command::tested(workspace)?, "assets/demo/hood.glb");
-    let directory = workspace.target.join("dented");
+    let (directory, impacts) = (workspace.target.join("exported"), workspace.target.join("exported.json"));
     empty_directory(&directory)?;
-    let (impacts, dented) = (directory.join("impacts.json"), directory.join("hood.glb"));
+    workspace.tests(&["--test", "export_gltf"]).env("CRUMPLE_EXPORTED", &directory).run()?;
+    let written = files(&directory)?.len();
+    ensure!(written > 10, "the exporter's tests wrote {written} files to {}", directory.display());
     cmd!(sh, "{program} sample {body} --count 6 -o {impacts}").quiet().ignore_stdout().run()?;
-    cmd!(sh, "{program} apply {body} --impacts {impacts} -o {dented}").quiet().ignore_stdout().run()?;
-    Ok(dented)
+    cmd!(sh, "{program} apply {body} --impacts {impacts} -o {directory}/hood.glb").quiet().ignore_stdout().run()?;
+    files(&directory)
 }
 
 /// What other programs write is read, and everything that no dent reached is kept.
