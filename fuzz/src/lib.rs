@@ -4,7 +4,6 @@ pub mod baked;
 pub mod calls;
 #[cfg(fuzzing)]
 mod coverage;
-pub mod engine;
 pub mod scene;
 pub mod seeds;
 

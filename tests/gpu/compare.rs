@@ -19,8 +19,29 @@
 
 use crumple::Instance;
 
-use super::{DRIVERS, POISON};
 use crate::backend::{Attribute, Encoding};
+
+/// A word that nothing ever writes.
+pub const POISON: u32 = 0xCDCD_CDCD;
+
+/// The software drivers that every test runs on. A device's name begins with one of these.
+const DRIVERS: [&str; 2] = ["llvmpipe", "SwiftShader"];
+
+/// Whether a driver and the validation layer must be there.
+pub fn required() -> bool {
+    std::env::var("CRUMPLE_REQUIRE_GPU").is_ok_and(|v| v != "0")
+}
+
+/// Prints which software drivers are not among these devices. Fails if CRUMPLE_REQUIRE_GPU names one of them.
+pub fn note_missing(seen: &[String]) {
+    let named = std::env::var("CRUMPLE_REQUIRE_GPU").unwrap_or_default();
+    for driver in DRIVERS {
+        if !seen.iter().any(|name| name.starts_with(driver)) {
+            assert!(!named.split(',').any(|n| n == driver), "{driver} is required, but there are only {seen:?}");
+            eprintln!("left out: there is no {driver}, only {seen:?}");
+        }
+    }
+}
 
 /// Units in the last place that divisions and square roots may cost, of the largest coordinate or of 1 for directions.
 const ULPS: f32 = 64.0;

@@ -7,12 +7,13 @@ use std::sync::Mutex;
 
 use ash::{Entry, ext, vk};
 
-use super::compare::TestedDevice;
-use super::{POISON, note_missing, required};
+use super::compare::{POISON, TestedDevice, note_missing, required};
 
 /// What an engine's instance and device are made with.
 pub struct Needs<'a> {
     pub api_version: u32,
+    /// Whether the validation layer watches, if it is there.
+    pub validation: bool,
     /// Extensions of the instance, beside those of validation.
     pub instance_extensions: &'a [&'static CStr],
     /// Extensions that a device is asked for where it has them.
@@ -35,22 +36,15 @@ pub fn on_each_engine(needs: &Needs<'_>, test: impl Fn(&Engine)) {
         Err(vk::Result::ERROR_INCOMPATIBLE_DRIVER) if !required => return eprintln!("left out: no Vulkan driver"),
         Err(e) => panic!("no Vulkan instance: {e}"),
     };
-    // SAFETY: a valid instance.
-    let devices = unsafe { instance.instance.enumerate_physical_devices() }.unwrap_or_default();
     let mut seen = Vec::new();
-    for physical in devices {
-        // SAFETY: a valid device.
-        let properties = unsafe { instance.instance.get_physical_device_properties(physical) };
-        let name = properties.device_name_as_c_str().unwrap().to_string_lossy().into_owned();
-        seen.push(name.clone());
-        let driver = format!("version {:#x}", properties.driver_version);
-        let tested = TestedDevice { name: name.clone(), driver, translated: false };
-        tested.announce();
-        let engine = Engine::new(&instance, physical, tested, needs);
+    for engine in instance.engines(needs) {
+        let name = engine.tested.name.clone();
+        engine.tested.announce();
         test(&engine);
         drop(engine);
-        let messages = std::mem::take(&mut *instance.messages.lock().unwrap());
+        let messages = instance.messages();
         assert!(messages.is_empty(), "on {name}:\n{}", messages.join("\n"));
+        seen.push(name);
     }
     note_missing(&seen);
 }
@@ -81,11 +75,22 @@ unsafe extern "system" fn collect(
 }
 
 impl Instance {
-    fn new(entry: &Entry, needs: &Needs<'_>, required: bool) -> Result<Self, vk::Result> {
+    /// The devices that there are.
+    pub fn engines(&self, needs: &Needs<'_>) -> impl Iterator<Item = Engine<'_>> {
+        // SAFETY: a valid instance.
+        let devices = unsafe { self.instance.enumerate_physical_devices() }.unwrap_or_default();
+        devices.into_iter().map(move |physical| Engine::new(self, physical, needs))
+    }
+
+    pub fn messages(&self) -> Vec<String> {
+        std::mem::take(&mut *self.messages.lock().unwrap())
+    }
+
+    pub fn new(entry: &Entry, needs: &Needs<'_>, required: bool) -> Result<Self, vk::Result> {
         let layer = c"VK_LAYER_KHRONOS_validation";
         // SAFETY: a loaded library.
         let layers = unsafe { entry.enumerate_instance_layer_properties() }.unwrap();
-        let validated = layers.iter().any(|l| l.layer_name_as_c_str() == Ok(layer));
+        let validated = needs.validation && layers.iter().any(|l| l.layer_name_as_c_str() == Ok(layer));
         assert!(validated || !required, "the validation layer is required");
         if !validated {
             eprintln!("without validation: its layer is not there");
@@ -187,8 +192,13 @@ impl Seen {
 }
 
 impl<'a> Engine<'a> {
-    fn new(on: &'a Instance, physical: vk::PhysicalDevice, tested: TestedDevice, needs: &Needs<'_>) -> Self {
+    fn new(on: &'a Instance, physical: vk::PhysicalDevice, needs: &Needs<'_>) -> Self {
         // SAFETY: a valid device.
+        let properties = unsafe { on.instance.get_physical_device_properties(physical) };
+        let name = properties.device_name_as_c_str().unwrap().to_string_lossy().into_owned();
+        let driver = format!("version {:#x}", properties.driver_version);
+        let tested = TestedDevice { name, driver, translated: false };
+        // SAFETY: as above.
         let there = unsafe { on.instance.enumerate_device_extension_properties(physical) }.unwrap();
         let mut extensions = (needs.device_extensions)(on, physical);
         extensions.retain(|name| there.iter().any(|e| e.extension_name_as_c_str() == Ok(*name)));
@@ -224,10 +234,6 @@ impl<'a> Engine<'a> {
     /// Whether the validation layer is there.
     pub fn validated(&self) -> bool {
         self.on.messenger.is_some()
-    }
-
-    pub fn messages(&self) -> Vec<String> {
-        std::mem::take(&mut *self.on.messages.lock().unwrap())
     }
 
     /// A buffer full of poison.
@@ -304,6 +310,7 @@ impl<'a> Engine<'a> {
         unsafe {
             self.device.wait_for_fences(&[self.fence], true, u64::MAX).unwrap();
             self.device.reset_fences(&[self.fence]).unwrap();
+            self.device.free_command_buffers(self.pool, &[commands]);
         }
         t
     }

@@ -118,7 +118,7 @@ fn with_barriers(engine: &Engine, barriers: Option<u32>) -> Vec<String> {
     });
     assert_ne!(report, RecordReport::default());
     crumple.completed(1);
-    engine.messages()
+    engine.on.messages()
 }
 
 #[test]

@@ -21,7 +21,8 @@ pub fn on_each_device(test: impl Fn(&Engine)) {
 /// The same, with the extensions of this list that the device has.
 pub fn on_each_device_with(extensions: &[&'static CStr], test: impl Fn(&Engine)) {
     let device_extensions = &|_: &_, _| extensions.to_vec();
-    on_each_engine(&Needs { api_version: vk::API_VERSION_1_1, instance_extensions: &[], device_extensions }, test);
+    let api_version = vk::API_VERSION_1_1;
+    on_each_engine(&Needs { api_version, validation: true, instance_extensions: &[], device_extensions }, test);
 }
 
 impl Seen {

@@ -38,6 +38,7 @@ fn def<'a>(
 fn on_each_device(test: impl Fn(&Engine, &VulkanDef<'_>)) {
     let needs = Needs {
         api_version: vk::API_VERSION_1_3,
+        validation: true,
         instance_extensions: &[khr::get_physical_device_properties2::NAME],
         // SAFETY: valid handles.
         device_extensions: &|on, physical| unsafe {

@@ -10,9 +10,9 @@ pub use crumple::wgpu::{
 use crumple::wgpu::{Device, DeviceDef, HeadlessDef, adapters};
 use crumple::{Error, ExampleSet};
 
-use crate::gpu::compare::TestedDevice;
+use crate::gpu::Lowered;
+use crate::gpu::compare::{POISON, TestedDevice, note_missing};
 use crate::gpu::layout::TestLayout;
-use crate::gpu::{Lowered, POISON, note_missing};
 
 pub type BufferRef<'a> = &'a wgpu::Buffer;
 

@@ -4,10 +4,11 @@
 use std::cell::RefCell;
 
 use arbitrary::Unstructured;
-use compare::{Expected, TestedDevice};
+use compare::Expected;
 use crumple::ExampleSet;
-use crumple_fuzz::engine::{self, Engine};
+use crumple::vulkan::{Access, BufferDef, BufferId, Device, DeviceDef, RecordJob, vk};
 use crumple_fuzz::{scene, seeds, target};
+use engine::{Engine, Needs, Seen};
 use layout::TestLayout;
 
 /// What the comparison of the tests needs.
@@ -34,39 +35,82 @@ mod backend {
 #[allow(dead_code)]
 #[path = "../../../tests/gpu/compare.rs"]
 mod compare;
+#[path = "../../../tests/gpu/engine.rs"]
+mod engine;
 #[allow(dead_code)]
 #[path = "../../../tests/gpu/layout.rs"]
 mod layout;
 
-/// A word that nothing ever writes.
-const POISON: u32 = 0xCDCD_CDCD;
-/// Drivers that must give the CPU's bits.
-const DRIVERS: [&str; 2] = ["llvmpipe", "SwiftShader"];
+/// Bytes of each device's buffer.
+const SIZE: u64 = 64 << 10;
 
 target!(run, seeds: seeds::noise);
 
+/// A device with the library on it, and one buffer.
+struct Gpu {
+    engine: Engine<'static>,
+    crumple: Device,
+    seen: Seen,
+    buffer: BufferId,
+    frame: u64,
+}
+
+impl Gpu {
+    /// All devices of the system's loader, which live as long as the process. None without a loader or a driver.
+    fn all() -> Vec<Gpu> {
+        // Validation would take most of the time.
+        let (api_version, none) = (vk::API_VERSION_1_1, &|_: &_, _| Vec::new());
+        let needs = Needs { api_version, validation: false, instance_extensions: &[], device_extensions: none };
+        // SAFETY: the system's loader.
+        let Ok(entry) = (unsafe { ash::Entry::load() }) else { return Vec::new() };
+        let Ok(instance) = engine::Instance::new(Box::leak(Box::new(entry)), &needs, false) else { return Vec::new() };
+        Box::leak(Box::new(instance)).engines(&needs).map(Self::new).collect()
+    }
+
+    fn new(engine: Engine<'static>) -> Self {
+        let (on, seen) = (engine.on, engine.buffer(SIZE));
+        let device = engine.device.handle();
+        let def = DeviceDef::new(on.get_instance_proc_addr, on.instance.handle(), engine.physical, device, 0);
+        let host = Access { stages: vk::PipelineStageFlags::HOST, access: vk::AccessFlags::HOST_READ };
+        let (usage, queue_family) = (Seen::USAGE, vk::QUEUE_FAMILY_IGNORED);
+        let def_of_buffer =
+            BufferDef { buffer: seen.handle, size: SIZE, usage, queue_family, before: host, after: host };
+        // SAFETY: valid handles, which live as long as the process.
+        unsafe {
+            let mut crumple = Device::new(&def).expect("a device that computes");
+            let buffer = crumple.add_buffer(&def_of_buffer).expect("a buffer");
+            Gpu { engine, crumple, seen, buffer, frame: 0 }
+        }
+    }
+}
+
 fn run(data: &[u8]) {
     thread_local! {
-        static ENGINES: RefCell<Vec<Engine>> = RefCell::new(engine::all());
+        // Drivers are gone when the program's end would drop them.
+        static ALL: RefCell<&'static mut [Gpu]> = RefCell::new(Gpu::all().leak());
     }
-    ENGINES.with_borrow_mut(|engines| engines.iter_mut().for_each(|engine| play(&mut Unstructured::new(data), engine)));
+    ALL.with_borrow_mut(|all| all.iter_mut().for_each(|gpu| play(&mut Unstructured::new(data), gpu)));
 }
 
 /// Plays the scene on one device. The first bytes choose the formats.
-fn play(bytes: &mut Unstructured<'_>, engine: &mut Engine) {
-    let device = TestedDevice { name: engine.name.clone(), driver: engine.driver.clone(), translated: false };
+fn play(bytes: &mut Unstructured<'_>, gpu: &mut Gpu) {
     let chosen: [u8; 4] = bytes.arbitrary().unwrap_or_default();
     let mut shown = None;
     scene::play(bytes, |body| {
-        let (set, buffer) = (body.example_set().clone(), engine.buffer());
+        let set = body.example_set().clone();
         let (layout, target) = shown.get_or_insert_with(|| {
             let layout = TestLayout::interleaved(&set, 0, 4 * u64::from(chosen[3] >> 4), encodings(&set, chosen));
-            (layout, engine.target(&set, &layout.def(buffer), POISON))
+            gpu.seen.poison();
+            (layout, gpu.crumple.add_target(&set, &layout.def(gpu.buffer)).expect("a target in the buffer"))
         });
-        let mut expected = Expected::poison(engine::SIZE as usize / 4);
+        let mut expected = Expected::poison(SIZE as usize / 4);
         layout.expect(body, &mut expected);
-        let got = engine.run(crumple::vulkan::RecordJob { instance: body, target });
-        expected.compare(got, &device, "the frame");
+        gpu.frame += 1;
+        let jobs = &mut [RecordJob { instance: body, target }];
+        // SAFETY: the command buffer is recording.
+        gpu.engine.run(|commands| unsafe { gpu.crumple.record(commands, gpu.frame, jobs) }).expect("recorded");
+        gpu.crumple.completed(gpu.frame);
+        expected.compare(gpu.seen.words(), &gpu.engine.tested, "the frame");
     });
 }
 
