@@ -168,27 +168,14 @@ fn by_pkg_config(workspace: &Workspace, parts: &Parts, root: &Path, folder: &Pat
     let features = ask(&["--variable=features"])?;
     ensure!(features == library, "pkg-config says the library was built with {features:?}");
 
-    let examples = folder.join("examples-c");
-    let files = [folder.join("assets/demo/hood.glb"), root.join("hood.obj")];
-    let client = root.join("client/client.cpp");
-    let mut programs = vec![("cc", examples.join("quickstart.c"), &files[..0]), ("c++", client, &files[..0])];
-    if library.contains(&"gltf") {
-        programs.push(("cc", examples.join("dent_gltf.c"), &files));
-    }
-    for (compiler, file, arguments) in programs {
-        let name = file.file_stem().context("programs have names")?.to_string_lossy();
-        let shared = root.join(format!("{name}-shared"));
-        let flags = ask(&["--cflags", "--libs"])?;
-        cmd!(sh, "{compiler} {file} -o {shared} {flags...} -lm").quiet().run()?;
-        let loader = if cfg!(target_os = "macos") { "DYLD_LIBRARY_PATH" } else { "LD_LIBRARY_PATH" };
-        cmd!(sh, "{shared} {arguments...}").env(loader, folder.join("lib")).quiet().run()?;
-
-        // `--static` adds the system libraries. The file is named because the linker would take the shared library beside it.
-        let fixed = root.join(format!("{name}-static"));
-        let (compile, archive) = (ask(&["--cflags"])?, ask(&["--variable=staticlibrary"])?);
+    // The first page has the shared library. `--static` adds the system libraries. The file is named because the linker would take the
+    // shared library beside it.
+    for (compiler, file) in [("cc", folder.join("examples-c/quickstart.c")), ("c++", root.join("client/client.cpp"))] {
+        let (program, compile, archive) =
+            (root.join("fixed"), ask(&["--cflags"])?, ask(&["--variable=staticlibrary"])?);
         let libraries = ask(&["--libs", "--static"])?.into_iter().filter(|flag| flag != "-lcrumple");
-        cmd!(sh, "{compiler} {file} -o {fixed} {compile...} {archive...} {libraries...} -lm").quiet().run()?;
-        cmd!(sh, "{fixed} {arguments...}").quiet().run()?;
+        cmd!(sh, "{compiler} {file} -o {program} {compile...} {archive...} {libraries...} -lm").quiet().run()?;
+        cmd!(sh, "{program}").quiet().run()?;
     }
     Ok(())
 }
