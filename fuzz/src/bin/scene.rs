@@ -6,21 +6,22 @@ use std::sync::{Arc, OnceLock};
 
 use arbitrary::Unstructured;
 use crumple::glam::{DVec3, Vec3};
-use crumple::{
-    ExampleSet, Instance, InstanceOptions, Mark, Serial, SimdLevel, TaskSystem, ThreadPool, Tracker, VertexMemory,
-};
+use crumple::{ExampleSet, Instance, InstanceOptions, Mark, Serial, SimdLevel, TaskSystem, ThreadPool};
 use crumple_fuzz::{scene, seeds, target};
 use oracle::marks::{Limit, Shown};
+use output::{Eager, Output};
 
 #[path = "../../../tests/oracle/mod.rs"]
 mod oracle;
+#[allow(dead_code)]
+#[path = "../../../tests/scenes/output.rs"]
+mod output;
 
 target!(
     |data| {
         let mut updated: Option<Output> = None;
         let update = |body: &mut Instance| {
-            let output = updated.get_or_insert_with(|| Output::new(body.example_set()));
-            output.update(body, &Serial);
+            updated.get_or_insert_with(|| Output::new(body.example_set())).update(body);
         };
         if let Some(mut body) = scene::play(&mut Unstructured::new(data), update) {
             compare(&body.example_set().clone(), &mut body, &updated.expect("a frame"));
@@ -28,19 +29,6 @@ target!(
     },
     seeds: seeds::noise
 );
-
-/// Threads that take even the little work that a [`ThreadPool`] would leave to its caller.
-struct Eager(ThreadPool);
-
-impl TaskSystem for Eager {
-    fn parallel_for(&self, count: usize, task: &(dyn Fn(usize) + Sync)) {
-        self.0.parallel_for(count, task);
-    }
-
-    fn workers(&self) -> usize {
-        self.0.workers()
-    }
-}
 
 fn compare(set: &Arc<ExampleSet>, body: &mut Instance, updated: &Output) {
     static THREADS: OnceLock<Eager> = OnceLock::new();
@@ -50,8 +38,12 @@ fn compare(set: &Arc<ExampleSet>, body: &mut Instance, updated: &Output) {
         level.force().expect("an available level");
         for tasks in [&Serial as &dyn TaskSystem, threads] {
             let mut fresh = Output::new(set);
-            fresh.update(body, tasks);
-            assert!(fresh.bits() == updated.bits(), "{level:?} with {} threads gives other bits", tasks.workers());
+            fresh.update_with(body, tasks);
+            assert!(
+                fresh.all_bits() == updated.all_bits(),
+                "{level:?} with {} threads gives other bits",
+                tasks.workers()
+            );
         }
     }
     best.force().expect("the best level");
@@ -86,37 +78,5 @@ fn alone(set: &Arc<ExampleSet>, mark: &Mark, most: f32) -> Vec<DVec3> {
     let options = InstanceOptions { depth_limit: Some(most), ..InstanceOptions::default() };
     let mut body = Instance::new(set.clone(), options).expect("an instance");
     body.set_marks(&[Mark { energy: Mark::ONE, ..*mark }]).expect("a mark of the set");
-    let mut output = Output::new(set);
-    output.update(&mut body, &Serial);
-    let moved = output.positions.iter().zip(set.mesh().positions());
-    moved.map(|(to, from)| Vec3::from(*to).as_dvec3() - from.as_dvec3()).collect()
-}
-
-/// Memory for each attribute that the mesh has.
-struct Output {
-    positions: Vec<[f32; 3]>,
-    normals: Vec<[f32; 3]>,
-    tangents: Vec<[f32; 4]>,
-    tracker: Tracker,
-}
-
-impl Output {
-    fn new(set: &ExampleSet) -> Self {
-        let (mesh, n) = (set.mesh(), set.vertex_count());
-        let normals = vec![[0.0; 3]; if mesh.normals().is_some() { n } else { 0 }];
-        let tangents = vec![[0.0; 4]; if mesh.tangents().is_some() { n } else { 0 }];
-        Self { positions: vec![[0.0; 3]; n], normals, tangents, tracker: Tracker::new() }
-    }
-
-    fn update(&mut self, body: &mut Instance, tasks: &dyn TaskSystem) {
-        let normals = (!self.normals.is_empty()).then_some(self.normals.as_mut_slice());
-        let tangents = (!self.tangents.is_empty()).then_some(self.tangents.as_mut_slice());
-        let memory = VertexMemory::separate(&mut self.positions, normals, tangents).expect("separate arrays");
-        body.deform(&mut self.tracker, memory, tasks).expect("arrays of the set's length");
-    }
-
-    fn bits(&self) -> Vec<u32> {
-        let vectors = [&self.positions, &self.normals].into_iter().flat_map(|list| list.as_flattened());
-        vectors.chain(self.tangents.as_flattened()).map(|x| x.to_bits()).collect()
-    }
+    output::displacements(&mut body).iter().map(|u| u.as_dvec3()).collect()
 }
