@@ -13,42 +13,34 @@ use crate::workspace::{Background, Workspace};
 
 pub struct Stage {
     pub name: &'static str,
+    pub run: fn(&Workspace) -> Result<()>,
     /// What passing it shows.
-    shows: &'static str,
-    needs: &'static [Tool],
+    pub shows: &'static str,
+    pub needs: &'static [Tool],
     /// Without these it runs, but leaves something out.
-    wants: &'static [Tool],
+    pub wants: &'static [Tool],
     /// Large folders of the target directory that no later stage reads.
-    leaves: &'static [&'static str],
+    pub leaves: &'static [&'static str],
     /// Why it has nothing to do on this system.
-    elsewhere: Option<&'static str>,
-    run: fn(&Workspace) -> Result<()>,
+    pub elsewhere: Option<&'static str>,
+}
+
+/// A list of stages: the name, what runs, what passing it shows, and the fields that are not empty.
+macro_rules! stages {
+    ($($name:literal: $run:expr, $shows:literal $(, $field:ident: $value:expr)*;)*) => {
+        &[$(Stage { $($field: $value,)* ..Stage::new($name, $run, $shows) }),*]
+    };
+}
+pub(crate) use stages;
+
+/// Unless `here` a stage has nothing to do, for the reason given.
+pub const fn unless(here: bool, reason: &'static str) -> Option<&'static str> {
+    if here { None } else { Some(reason) }
 }
 
 impl Stage {
-    pub const fn new(name: &'static str, run: fn(&Workspace) -> Result<()>) -> Self {
-        Self { name, shows: "", needs: &[], wants: &[], leaves: &[], elsewhere: None, run }
-    }
-
-    pub const fn shows(self, shows: &'static str) -> Self {
-        Self { shows, ..self }
-    }
-
-    pub const fn needs(self, needs: &'static [Tool]) -> Self {
-        Self { needs, ..self }
-    }
-
-    pub const fn wants(self, wants: &'static [Tool]) -> Self {
-        Self { wants, ..self }
-    }
-
-    pub const fn leaves(self, leaves: &'static [&'static str]) -> Self {
-        Self { leaves, ..self }
-    }
-
-    /// Unless `here` it has nothing to do, for the reason given.
-    pub const fn only(self, here: bool, reason: &'static str) -> Self {
-        Self { elsewhere: if here { None } else { Some(reason) }, ..self }
+    pub const fn new(name: &'static str, run: fn(&Workspace) -> Result<()>, shows: &'static str) -> Self {
+        Self { name, run, shows, needs: &[], wants: &[], leaves: &[], elsewhere: None }
     }
 }
 
@@ -250,7 +242,7 @@ mod tests {
 
     fn verdicts(rules: Rules) -> Vec<Verdict> {
         let names = ["good", "bad", "partial", "absent", "untagged", "unsteady", "panics"];
-        let (stages, mut tries) = (names.map(|name| Stage::new(name, |_| Ok(()))), 0);
+        let (stages, mut tries) = (names.map(|name| Stage::new(name, |_| Ok(()), "")), 0);
         let rows = run_each(&stages.each_ref(), rules, |stage| match stage.name {
             "good" => Ok(None),
             "bad" => bail!("two is not three\nand more"),

@@ -3,12 +3,8 @@
 use anyhow::{Result, bail};
 use clap::Args;
 
-use crate::stage::{self, Rules, Stage};
-use crate::tools::{
-    AARCH64_CC, AARCH64_RUST, ABIGAIL, ASSIMP, BLENDER_LIBRARIES, BULLET, CC, CHROMIUM, CMAKE, CXX, FOR_WINDOWS,
-    I686_CC, I686_RUST, LLVM, MONO, NPM, ODE, PKG_CONFIG, PNG, PYTHON3, PYTHON311, QEMU, SWIFTSHADER, VALGRIND, VULKAN,
-    VULKAN_HEADERS, WEB_RUST, XVFB,
-};
+use crate::stage::{self, Rules, Stage, stages, unless};
+use crate::tools::*;
 use crate::workspace::Workspace;
 use crate::{
     abi, blender, car, csharp, exports, fuzz, godot, header, lab, native, nightly, package, platforms, python, repo,
@@ -32,144 +28,99 @@ pub struct Options {
 }
 
 /// The checks that `cargo xtask ci` runs before the tests.
-const CHECKS: &[Stage] = &[
-    Stage::new("repository", |workspace| repo::run(workspace, false))
-        .shows("sizes, shown programs, changelog, .meta files and quoted messages are right"),
-    Stage::new("rooms", rooms::run).shows("the imports of src keep the order of its rooms"),
-    Stage::new("header", |workspace| header::run(workspace, true))
-        .shows("the committed header and the C# and Python declarations match the sources"),
-    Stage::new("format", |workspace| Ok(workspace.cargo(&["fmt", "--all", "--check"]).run()?))
-        .shows("rustfmt changes nothing"),
-    Stage::new("lints", |workspace| clippy(workspace, &["--workspace", "--all-targets", "--all-features"]))
-        .shows("clippy finds nothing, with all features"),
-    Stage::new("lints-slim", |workspace| {
-        clippy(workspace, &["--package", "crumple", "--lib", "--no-default-features"])
-    })
-    .shows("clippy finds nothing in the library without features"),
-    Stage::new("documentation", |workspace| {
-        // The whole workspace with all features: stage "lints" has checked its dependencies so.
-        let what = ["doc", "--no-deps", "--workspace", "--all-features"];
-        Ok(workspace.cargo(&what).env("RUSTDOCFLAGS", "--deny warnings").run()?)
-    })
-    .shows("rustdoc finds nothing"),
-];
+const CHECKS: &[Stage] = stages! {
+    "repository": |workspace| repo::run(workspace, false),
+        "sizes, shown programs, changelog, .meta files and quoted messages are right";
+    "rooms": rooms::run, "the imports of src keep the order of its rooms";
+    "header": |workspace| header::run(workspace, true),
+        "the committed header and the C# and Python declarations match the sources";
+    "format": |workspace| Ok(workspace.cargo(&["fmt", "--all", "--check"]).run()?), "rustfmt changes nothing";
+    "lints": |workspace| clippy(workspace, &["--workspace", "--all-targets", "--all-features"]),
+        "clippy finds nothing, with all features";
+    "lints-slim": |workspace| clippy(workspace, &["--package", "crumple", "--lib", "--no-default-features"]),
+        "clippy finds nothing in the library without features";
+    "documentation": documentation, "rustdoc finds nothing";
+};
 
 /// The stages of `cargo xtask test` without options: everybody can run them within minutes.
 const FOR_EVERYBODY: &[&str] = &["install", "cmake", "vulkan", "rust", "ctest"];
 
+const LINUX: bool = cfg!(target_os = "linux");
 const LINUX_X86_64: bool = cfg!(all(target_os = "linux", target_arch = "x86_64"));
 
 /// In the order in which they run: what is compiled ahead runs late. A new kind of test is one more entry here.
-const STAGES: &[Stage] = &[
-    Stage::new("install", native::install_release)
-        .shows("the C library installs into target/prefix and exports what the header declares")
-        .needs(&[CC]),
-    Stage::new("cmake", source::cmake)
-        .shows("a CMake project that fetches the source builds it by Cargo, and installs what the installer does")
-        .needs(&[CC, CXX, CMAKE])
-        .leaves(&["cmake"])
-        .only(cfg!(not(windows)), "not tried on Windows"),
-    Stage::new("conan", source::conan)
-        .shows("Conan makes a package from the source, and a program finds it")
-        .needs(&[CC, CXX, CMAKE, PYTHON3])
-        .leaves(&["conan", "conan-venv"]),
-    Stage::new("package", package::stage)
-        .shows("the unpacked archive is as its manifest says; its examples run by CMake and pkg-config, both ways")
-        .needs(&[CC, CXX, CMAKE, PKG_CONFIG])
-        .wants(&[ODE, BULLET, VULKAN_HEADERS, PNG])
-        .only(cfg!(not(windows)), "not done on Windows, where pkg-config is rare"),
-    Stage::new("abi", abi::stage)
-        .shows("programs built against the last release fit the header of today")
-        .needs(&[CC, ABIGAIL]),
-    Stage::new("csharp", csharp::run)
-        .shows("the C# layer works under Mono and rejects libraries that do not fit")
-        .needs(&[CC, MONO])
-        .only(cfg!(target_os = "linux"), "done with Debian's Mono on Linux only"),
-    Stage::new("python", python::stage)
-        .shows("the Python package works as a wheel in an environment of its own, and makes examples for bare meshes")
-        .needs(&[CC, PYTHON311])
-        .only(cfg!(target_os = "linux"), "the wheel was built and tried on Linux only"),
-    Stage::new("sanitizers", native::sanitizers)
-        .shows("the C and C++ tests pass under gcc's address and undefined behaviour sanitizers")
-        .needs(&[CC, CXX, CMAKE])
-        .wants(&[ODE, BULLET, VULKAN, VULKAN_HEADERS, PNG])
-        .leaves(&["ctest/sanitizers"])
-        .only(cfg!(target_os = "linux"), "done with gcc on Linux only"),
-    Stage::new("valgrind-c", valgrind::c)
-        .shows("valgrind finds no error and no leak in the C and C++ tests")
-        .needs(&[CC, CXX, CMAKE, VALGRIND])
-        .wants(&[ODE, BULLET, VULKAN, VULKAN_HEADERS, PNG]),
-    Stage::new("valgrind-rust", valgrind::rust)
-        .shows("valgrind finds no error and no leak in the Rust tests")
-        .needs(&[VALGRIND]),
-    Stage::new("engines", lab::engines)
-        .shows("every truth's hits thrown in rapier, Bullet and Jolt leave what their blows leave")
-        .needs(&[CC, CXX, CMAKE, BULLET])
-        .leaves(&["jolt", "throws"]),
-    Stage::new("demo", car::demo_stage).shows("`cargo xtask demo` crashes the car"),
-    Stage::new("car", car::stage)
-        .shows("the car's script makes a car: parts, sizes, closed inner solids, normals, symmetry, valid glTF")
-        .needs(&[PYTHON3])
-        .wants(&[NPM]),
-    Stage::new("blender", exports::opened_by_blender)
-        .shows("Blender opens what the command exports")
-        .needs(&[PYTHON311, BLENDER_LIBRARIES]),
-    Stage::new("extension", blender::stage)
-        .shows("the packed Blender extension works in two Blenders without a window and in one with a window")
-        .needs(&[CC, PYTHON311, BLENDER_LIBRARIES])
-        .wants(&[XVFB])
-        .leaves(&["blender-bpy50", "blender-window"])
-        .only(LINUX_X86_64, "Blender is fetched for Linux on x86-64 only"),
-    Stage::new("gltf-validator", exports::valid)
-        .shows("the Khronos validator finds nothing wrong with what the command exports")
-        .needs(&[NPM]),
-    Stage::new("crate", source::crates_io)
-        .shows("the crate builds from the files that crates.io gets")
-        .leaves(&["crate"]),
-    Stage::new("godot", godot::run)
-        .shows("the extension dents meshes in Godot: its classes, both physics engines, the editor's import, a picture")
-        .needs(&[CC, XVFB])
-        .leaves(&["godot"])
-        .only(LINUX_X86_64, "the engine is fetched for Linux on x86-64 only"),
-    Stage::new("exporters", exports::of_others)
-        .shows("what Blender, three.js, assimp, trimesh and Godot write is read, and what no dent reached is kept")
-        .needs(&[PYTHON311, BLENDER_LIBRARIES, NPM, ASSIMP])
-        .leaves(&["blender-bpy42", "godot-engine"])
-        .only(LINUX_X86_64, "Blender and Godot are fetched for Linux on x86-64 only"),
-    Stage::new("web", web::stage)
-        .shows("the WebAssembly module gives the same bits under Node, and its page dents a hood in Chromium")
-        .needs(&[WEB_RUST, LLVM, NPM, CHROMIUM]),
-    Stage::new("fuzz", fuzz::stage)
-        .shows("ten seconds of fuzzing find nothing at any door")
-        .needs(&[CXX])
-        .leaves(&["fuzz"]),
-    Stage::new("threads", nightly::threads)
-        .shows("ThreadSanitizer finds no data race where threads share a context")
-        .needs(&[CC])
-        .leaves(&["sanitizers"]),
-    Stage::new("windows", platforms::windows)
-        .shows("library, command and archive for Windows work under Wine, and write the same bytes as here")
-        .needs(FOR_WINDOWS)
-        .leaves(&["cross/x86_64-pc-windows-gnu", "wine"]),
-    Stage::new("aarch64", platforms::aarch64)
-        .shows("the library and the command for 64-bit ARM work under qemu, and write the same bytes as here")
-        .needs(&[CC, CMAKE, AARCH64_RUST, AARCH64_CC, QEMU])
-        .leaves(&["cross/aarch64-unknown-linux-gnu"]),
-    Stage::new("i686", platforms::i686)
-        .shows("the library and the command for 32-bit x86 work, and write the same bytes as here")
-        .needs(&[CC, CMAKE, I686_RUST, I686_CC])
-        .leaves(&["cross/i686-unknown-linux-gnu"]),
-    Stage::new("vulkan", vulkan::run)
-        .shows("the Vulkan tests pass on lavapipe under validation; with --all also on SwiftShader, and those of wgpu")
-        .needs(&[VULKAN])
-        .wants(&[SWIFTSHADER]),
-    Stage::new("rust", rust)
-        .shows("the Rust tests and documentation examples pass; with --all also those of wgpu, the lab and xtask"),
-    Stage::new("ctest", native::ctest)
-        .shows("the C and C++ tests pass with the installed library; with --all also Unity's renderer plugin")
-        .needs(&[CC, CXX, CMAKE])
-        .wants(&[ODE, BULLET, VULKAN, SWIFTSHADER, VULKAN_HEADERS, PNG]),
-];
+const STAGES: &[Stage] = stages! {
+    "install": native::install_release,
+        "the C library installs into target/prefix and exports what the header declares", needs: &[CC];
+    "cmake": source::cmake,
+        "a CMake project that fetches the source builds it by Cargo, and installs what the installer does",
+        needs: &[CC, CXX, CMAKE], leaves: &["cmake"], elsewhere: unless(cfg!(not(windows)), "not tried on Windows");
+    "conan": source::conan, "Conan makes a package from the source, and a program finds it",
+        needs: &[CC, CXX, CMAKE, PYTHON3], leaves: &["conan", "conan-venv"];
+    "package": package::stage,
+        "the unpacked archive is as its manifest says; its examples run by CMake and pkg-config, both ways",
+        needs: &[CC, CXX, CMAKE, PKG_CONFIG], wants: &[ODE, BULLET, VULKAN_HEADERS, PNG],
+        elsewhere: unless(cfg!(not(windows)), "not done on Windows, where pkg-config is rare");
+    "abi": abi::stage, "programs built against the last release fit the header of today", needs: &[CC, ABIGAIL];
+    "csharp": csharp::run, "the C# layer works under Mono and rejects libraries that do not fit",
+        needs: &[CC, MONO], elsewhere: unless(LINUX, "done with Debian's Mono on Linux only");
+    "python": python::stage,
+        "the Python package works as a wheel in an environment of its own, and makes examples for bare meshes",
+        needs: &[CC, PYTHON311], elsewhere: unless(LINUX, "the wheel was built and tried on Linux only");
+    "sanitizers": native::sanitizers,
+        "the C and C++ tests pass under gcc's address and undefined behaviour sanitizers",
+        needs: &[CC, CXX, CMAKE], wants: &[ODE, BULLET, VULKAN, VULKAN_HEADERS, PNG], leaves: &["ctest/sanitizers"],
+        elsewhere: unless(LINUX, "done with gcc on Linux only");
+    "valgrind-c": valgrind::c, "valgrind finds no error and no leak in the C and C++ tests",
+        needs: &[CC, CXX, CMAKE, VALGRIND], wants: &[ODE, BULLET, VULKAN, VULKAN_HEADERS, PNG];
+    "valgrind-rust": valgrind::rust, "valgrind finds no error and no leak in the Rust tests", needs: &[VALGRIND];
+    "engines": lab::engines,
+        "every truth's hits thrown in rapier, Bullet and Jolt leave what their blows leave",
+        needs: &[CC, CXX, CMAKE, BULLET], leaves: &["jolt", "throws"];
+    "demo": car::demo_stage, "`cargo xtask demo` crashes the car";
+    "car": car::stage,
+        "the car's script makes a car: parts, sizes, closed inner solids, normals, symmetry, valid glTF",
+        needs: &[PYTHON3], wants: &[NPM];
+    "blender": exports::opened_by_blender, "Blender opens what the command exports",
+        needs: &[PYTHON311, BLENDER_LIBRARIES];
+    "extension": blender::stage,
+        "the packed Blender extension works in two Blenders without a window and in one with a window",
+        needs: &[CC, PYTHON311, BLENDER_LIBRARIES], wants: &[XVFB], leaves: &["blender-bpy50", "blender-window"],
+        elsewhere: unless(LINUX_X86_64, "Blender is fetched for Linux on x86-64 only");
+    "gltf-validator": exports::valid, "the Khronos validator finds nothing wrong with what the command exports",
+        needs: &[NPM];
+    "crate": source::crates_io, "the crate builds from the files that crates.io gets", leaves: &["crate"];
+    "godot": godot::run,
+        "the extension dents meshes in Godot: its classes, both physics engines, the editor's import, a picture",
+        needs: &[CC, XVFB], leaves: &["godot"],
+        elsewhere: unless(LINUX_X86_64, "the engine is fetched for Linux on x86-64 only");
+    "exporters": exports::of_others,
+        "what Blender, three.js, assimp, trimesh and Godot write is read, and what no dent reached is kept",
+        needs: &[PYTHON311, BLENDER_LIBRARIES, NPM, ASSIMP], leaves: &["blender-bpy42", "godot-engine"],
+        elsewhere: unless(LINUX_X86_64, "Blender and Godot are fetched for Linux on x86-64 only");
+    "web": web::stage,
+        "the WebAssembly module gives the same bits under Node, and its page dents a hood in Chromium",
+        needs: &[WEB_RUST, LLVM, NPM, CHROMIUM];
+    "fuzz": fuzz::stage, "ten seconds of fuzzing find nothing at any door", needs: &[CXX], leaves: &["fuzz"];
+    "threads": nightly::threads, "ThreadSanitizer finds no data race where threads share a context",
+        needs: &[CC], leaves: &["sanitizers"];
+    "windows": platforms::windows,
+        "library, command and archive for Windows work under Wine, and write the same bytes as here",
+        needs: FOR_WINDOWS, leaves: &["cross/x86_64-pc-windows-gnu", "wine"];
+    "aarch64": platforms::aarch64,
+        "the library and the command for 64-bit ARM work under qemu, and write the same bytes as here",
+        needs: &[CC, CMAKE, AARCH64_RUST, AARCH64_CC, QEMU], leaves: &["cross/aarch64-unknown-linux-gnu"];
+    "i686": platforms::i686, "the library and the command for 32-bit x86 work, and write the same bytes as here",
+        needs: &[CC, CMAKE, I686_RUST, I686_CC], leaves: &["cross/i686-unknown-linux-gnu"];
+    "vulkan": vulkan::run,
+        "the Vulkan tests pass on lavapipe under validation; with --all also on SwiftShader, and those of wgpu",
+        needs: &[VULKAN], wants: &[SWIFTSHADER];
+    "rust": rust,
+        "the Rust tests and documentation examples pass; with --all also those of wgpu, the lab and xtask";
+    "ctest": native::ctest,
+        "the C and C++ tests pass with the installed library; with --all also Unity's renderer plugin",
+        needs: &[CC, CXX, CMAKE], wants: &[ODE, BULLET, VULKAN, SWIFTSHADER, VULKAN_HEADERS, PNG];
+};
 
 /// Runs the stages that `options` choose. A stage that is not everybody's always runs whole; those that are run whole with `--all`.
 pub fn run(workspace: &mut Workspace, options: &Options) -> Result<()> {
@@ -219,6 +170,12 @@ fn rust(workspace: &Workspace) -> Result<()> {
         results.push(("xtask", helper.map_err(Into::into)));
     }
     stage::all_passed(results)
+}
+
+fn documentation(workspace: &Workspace) -> Result<()> {
+    // The whole workspace with all features: stage "lints" has checked its dependencies so.
+    let what = ["doc", "--no-deps", "--workspace", "--all-features"];
+    Ok(workspace.cargo(&what).env("RUSTDOCFLAGS", "--deny warnings").run()?)
 }
 
 fn clippy(workspace: &Workspace, what: &[&str]) -> Result<()> {
