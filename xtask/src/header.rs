@@ -20,64 +20,34 @@ const WIDTH: usize = 120;
 const CSHARP: &str = "bindings/unity/Runtime/Native";
 const PYTHON: &str = "bindings/python/src/crumple/_native.py";
 
-/// A header beside crumple.h.
-struct Part {
-    name: &'static str,
-    /// The first lines of its opening comment.
-    about: &'static str,
-    include: &'static str,
-    /// Files of `src` without their ends, in the order in which their items are declared.
-    sources: &'static str,
-}
-
 /// Of crumple.h, whose opening comment is in cbindgen.toml.
 const CORE: &str = "capi/version capi/result capi/types example/blow select/hit contacts/options damage/mark capi/tasks capi/context \
                     capi/set capi/instance capi/hit capi/contacts capi/damage capi/memory capi/buffer capi/deform";
 
-const PARTS: &[Part] = &[
-    Part {
-        name: "crumple_build.h",
-        about: "\
+/// The headers beside crumple.h: the header, what it includes, and the files of `src` without their ends in the order in which their items
+/// are declared; then the first lines of its opening comment.
+const PARTS: &str = "\
+crumple_build.h crumple.h example/data example/options capi/memory capi/build capi/authoring
 // Crumple: builds example sets from arrays, adds levels of detail to them, and saves them as baked sets.
 //
 // Games load baked sets (crumple.h). This header is for what makes them, and for bodies that are made at run time.
-",
-        include: "crumple.h",
-        sources: "example/data example/options capi/memory capi/build capi/authoring",
-    },
-    Part {
-        name: "crumple_import.h",
-        about: "// Crumple: builds example sets from glTF and OBJ files.\n",
-        include: "crumple_build.h",
-        sources: "capi/store capi/load",
-    },
-    Part {
-        name: "crumple_parts.h",
-        about: "// Crumple: bodies whose parts come off, points that move with the surface, such as lamps, and colliders.\n",
-        include: "crumple.h",
-        sources: "capi/parts",
-    },
-    Part {
-        name: "crumple_contacts.h",
-        about: "// Crumple: contact ids, which join hits to one dent, and the hits that contact points became.\n",
-        include: "crumple.h",
-        sources: "capi/contact_ids",
-    },
-    Part {
-        name: "crumple_view.h",
-        about: "// Crumple: how finely, and how soon, instances are shown.\n",
-        include: "crumple.h",
-        sources: "capi/view",
-    },
-    Part {
-        name: "crumple_host.h",
-        about: "// Crumple: the host's allocator, and example sets in several contexts.\n",
-        include: "crumple.h",
-        sources: "capi/allocator capi/share",
-    },
-    Part {
-        name: "crumple_vulkan.h",
-        about: "\
+
+crumple_import.h crumple_build.h capi/store capi/load
+// Crumple: builds example sets from glTF and OBJ files.
+
+crumple_parts.h crumple.h capi/parts
+// Crumple: bodies whose parts come off, points that move with the surface, such as lamps, and colliders.
+
+crumple_contacts.h crumple.h capi/contact_ids
+// Crumple: contact ids, which join hits to one dent, and the hits that contact points became.
+
+crumple_view.h crumple.h capi/view
+// Crumple: how finely, and how soon, instances are shown.
+
+crumple_host.h crumple.h capi/allocator capi/share
+// Crumple: the host's allocator, and example sets in several contexts.
+
+crumple_vulkan.h crumple.h capi/vulkan_types capi/vulkan
 // Crumple: writes deformed vertices by a Vulkan device instead of the CPU.
 //
 // With your device: crumple_vulkan_attach, crumple_buffer_register_vulkan, and once a frame crumple_vulkan_record into your
@@ -85,22 +55,12 @@ const PARTS: &[Part] = &[
 // crumple_vulkan_open, crumple_vulkan_import_buffer, crumple_buffer_register_vulkan, and once a frame crumple_vulkan_submit.
 //
 // Every call with a context may also return CRUMPLE_ERROR_VULKAN and CRUMPLE_ERROR_DEVICE_LOST.
-",
-        include: "crumple.h",
-        sources: "capi/vulkan_types capi/vulkan",
-    },
-    Part {
-        name: "crumple_graph.h",
-        about: "\
+
+crumple_graph.h crumple_vulkan.h capi/graph_types capi/graph
 // Crumple: writes deformed vertices in passes of your own render graph.
 //
 // Register vertex buffers with crumple_buffer_register_graph. Once a frame, crumple_graph_plan returns what to upload and to
-// dispatch, with kernels of crumple_graph_get_kernel. Crumple calls no graphics library.
-",
-        include: "crumple_vulkan.h",
-        sources: "capi/graph_types capi/graph",
-    },
-];
+// dispatch, with kernels of crumple_graph_get_kernel. Crumple calls no graphics library.";
 
 pub fn run(workspace: &Workspace, check: bool) -> Result<()> {
     let headers = generate(workspace)?;
@@ -140,16 +100,18 @@ fn generate(workspace: &Workspace) -> Result<Vec<String>> {
     let shared = cbindgen::Config::from_file(workspace.path("cbindgen.toml"))
         .map_err(|message| anyhow!("cbindgen.toml: {message}"))?;
     let part = |name: &&str| {
-        let Some(part) = PARTS.iter().find(|part| part.name == *name) else {
+        let Some(part) = PARTS.split("\n\n").find(|part| part.starts_with(name)) else {
             return write_header(workspace, CORE, shared.clone());
         };
+        let (head, about) = part.split_once('\n').context("an opening comment")?;
+        let [_, include, sources] = head.splitn(3, ' ').collect::<Vec<_>>()[..] else { bail!("{head:?} is no header") };
         let config = cbindgen::Config {
-            header: Some(format!("{}//\n{GENERATED}", part.about)),
+            header: Some(format!("{about}\n//\n{GENERATED}")),
             include_guard: Some(name.to_uppercase().replace('.', "_")),
-            after_includes: Some(format!("\n#include \"{}\"", part.include)),
+            after_includes: Some(format!("\n#include \"{include}\"")),
             ..shared.clone()
         };
-        write_header(workspace, part.sources, config)
+        write_header(workspace, sources, config)
     };
     HEADERS.iter().map(part).collect()
 }
