@@ -38,81 +38,67 @@ enum Sign {
 
 use Sign::{Call, File, Library, Loaded, Programs, Rust};
 
-const fn tool(name: &'static str, packages: &'static str, sign: Sign) -> Tool {
-    Tool { name, packages, sign }
+macro_rules! tools {
+    ($($(#[$doc:meta])* $constant:ident: $name:expr, $packages:expr, $sign:expr;)*) => {
+        $($(#[$doc])* pub const $constant: Tool = Tool { name: $name, packages: $packages, sign: $sign };)*
+    };
 }
 
-const fn rust(name: &'static str, triple: &'static str) -> Tool {
-    Tool { name, packages: "rustc-web cargo-web rust-web-src", sign: Rust(triple) }
-}
-
-pub const CMAKE: Tool = tool("CMake", "cmake make", Programs("cmake"));
-pub const CC: Tool = tool("a C compiler", "gcc libc6-dev", Programs("cc"));
-pub const CXX: Tool = tool("a C++ compiler", "g++", Programs("c++"));
-pub const PKG_CONFIG: Tool = tool("pkg-config", "pkg-config", Programs("pkg-config"));
-/// The rigid bodies of `crash.cpp`.
-pub const ODE: Tool = tool("the Open Dynamics Engine's headers", "pkg-config libode-dev", Library("ode"));
-/// The rigid bodies of `collider.cpp`.
-pub const BULLET: Tool = tool("Bullet's headers", "pkg-config libbullet-dev", Library("bullet"));
-pub const VALGRIND: Tool = tool("valgrind", "valgrind libc6-dbg", Programs("valgrind"));
-/// The one version that Blender's `bpy` package is built for.
-pub const PYTHON311: Tool =
-    tool("Python 3.11 with venv", "python3.11 python3.11-venv", Call(&["python3.11", "-c", "import ensurepip, venv"]));
-/// Any version, for the lab's charts.
-pub const PYTHON3: Tool =
-    tool("Python 3 with venv", "python3 python3-venv", Call(&["python3", "-c", "import ensurepip, venv"]));
-/// The windowing libraries that `bpy` links, although it opens no window.
-pub const BLENDER_LIBRARIES: Tool = tool(
-    "X11 and OpenGL libraries for Blender",
-    "libgl1 libice6 libsm6 libx11-6 libxext6 libxfixes3 libxi6 libxkbcommon0 libxrender1",
-    Loaded(
-        "libGL.so.1 libICE.so.6 libSM.so.6 libX11.so.6 libXext.so.6 libXfixes.so.3 libXi.so.6 libXrender.so.1 libxkbcommon.so.0",
-    ),
-);
-/// Installs the Khronos glTF validator and what the page draws with.
-pub const NPM: Tool = tool("npm", "nodejs npm", Programs("npm"));
-pub const VULKAN: Tool = tool(
-    "Vulkan with Mesa's software driver and the validation layers",
-    "libvulkan1 mesa-vulkan-drivers vulkan-validationlayers",
-    Loaded("libvulkan.so.1 libvulkan_lvp.so libVkLayer_khronos_validation.so"),
-);
-/// Vulkan's other software driver, in Debian's Chromium.
-pub const SWIFTSHADER: Tool = tool("SwiftShader", "chromium-common", File(&[SWIFTSHADER_LIBRARY]));
+const FOR_RUST: &str = "rustc-web cargo-web rust-web-src";
 pub const SWIFTSHADER_LIBRARY: &str = "/usr/lib/chromium/libvk_swiftshader.so";
-pub const VULKAN_HEADERS: Tool = tool("Vulkan's headers", "pkg-config libvulkan-dev", Library("vulkan"));
-/// Its tools compare binary interfaces.
-pub const ABIGAIL: Tool = tool("libabigail's abidiff", "abigail-tools", Programs("abidiff"));
-/// `vulkan_render.cpp` writes its picture with it.
-pub const PNG: Tool = tool("libpng's headers", "pkg-config libpng-dev", Library("libpng"));
-/// Similar to Unity's C#.
-pub const MONO: Tool = tool("Mono with its C# compiler", "mono-mcs mono-runtime", Programs("mcs mono"));
-pub const WINDOWS_RUST: Tool = rust("Rust for Windows (or: rustup target add x86_64-pc-windows-gnu)", target::WINDOWS);
-pub const MINGW: Tool = tool(
-    "MinGW's compilers",
-    "g++-mingw-w64-x86-64-posix mingw-w64-x86-64-dev",
-    Programs("x86_64-w64-mingw32-gcc-posix x86_64-w64-mingw32-g++-posix"),
-);
-pub const WINE: Tool = tool("Wine", "wine64", File(wine::PROGRAMS));
-/// A display without a screen.
-pub const XVFB: Tool = tool("Xvfb", "xvfb", File(&["/usr/bin/Xvfb"]));
-pub const LLVM: Tool =
-    tool("LLVM's clang, lld-link and llvm-dlltool", "clang lld llvm", Programs("clang lld-link llvm-strip"));
-pub const AARCH64_RUST: Tool =
-    rust("Rust for 64-bit ARM (or: rustup target add aarch64-unknown-linux-gnu)", target::AARCH64);
-pub const AARCH64_CC: Tool = tool(
-    "GNU's compilers for 64-bit ARM",
-    "g++-aarch64-linux-gnu",
-    Programs("aarch64-linux-gnu-gcc aarch64-linux-gnu-g++"),
-);
-pub const I686_RUST: Tool = rust("Rust for 32-bit x86 (or: rustup target add i686-unknown-linux-gnu)", target::I686);
-pub const I686_CC: Tool =
-    tool("GNU's compilers for 32-bit x86", "g++-i686-linux-gnu", Programs("i686-linux-gnu-gcc i686-linux-gnu-g++"));
-pub const WEB_RUST: Tool = rust("Rust for WebAssembly (or: rustup target add wasm32-unknown-unknown)", target::WEB);
-pub const CHROMIUM: Tool = tool("Chromium", "chromium", Programs("/usr/bin/chromium"));
-/// Runs programs for 64-bit ARM.
-pub const QEMU: Tool = tool("qemu-aarch64", "qemu-user", Programs("qemu-aarch64"));
-/// Converts between file formats.
-pub const ASSIMP: Tool = tool("assimp", "assimp-utils", Call(&["assimp", "version"]));
+
+tools! {
+    CMAKE: "CMake", "cmake make", Programs("cmake");
+    CC: "a C compiler", "gcc libc6-dev", Programs("cc");
+    CXX: "a C++ compiler", "g++", Programs("c++");
+    PKG_CONFIG: "pkg-config", "pkg-config", Programs("pkg-config");
+    /// The rigid bodies of `crash.cpp`.
+    ODE: "the Open Dynamics Engine's headers", "pkg-config libode-dev", Library("ode");
+    /// The rigid bodies of `collider.cpp`.
+    BULLET: "Bullet's headers", "pkg-config libbullet-dev", Library("bullet");
+    VALGRIND: "valgrind", "valgrind libc6-dbg", Programs("valgrind");
+    /// The one version that Blender's `bpy` package is built for.
+    PYTHON311: "Python 3.11 with venv", "python3.11 python3.11-venv", Call(&["python3.11", "-c", "import ensurepip, venv"]);
+    /// Any version, for the lab's charts.
+    PYTHON3: "Python 3 with venv", "python3 python3-venv", Call(&["python3", "-c", "import ensurepip, venv"]);
+    /// The windowing libraries that `bpy` links, although it opens no window.
+    BLENDER_LIBRARIES: "X11 and OpenGL libraries for Blender",
+        "libgl1 libice6 libsm6 libx11-6 libxext6 libxfixes3 libxi6 libxkbcommon0 libxrender1",
+        Loaded("libGL.so.1 libICE.so.6 libSM.so.6 libX11.so.6 libXext.so.6 libXfixes.so.3 libXi.so.6 libXrender.so.1 \
+                libxkbcommon.so.0");
+    /// Installs the Khronos glTF validator and what the page draws with.
+    NPM: "npm", "nodejs npm", Programs("npm");
+    VULKAN: "Vulkan with Mesa's software driver and the validation layers",
+        "libvulkan1 mesa-vulkan-drivers vulkan-validationlayers",
+        Loaded("libvulkan.so.1 libvulkan_lvp.so libVkLayer_khronos_validation.so");
+    /// Vulkan's other software driver, in Debian's Chromium.
+    SWIFTSHADER: "SwiftShader", "chromium-common", File(&[SWIFTSHADER_LIBRARY]);
+    VULKAN_HEADERS: "Vulkan's headers", "pkg-config libvulkan-dev", Library("vulkan");
+    /// Its tools compare binary interfaces.
+    ABIGAIL: "libabigail's abidiff", "abigail-tools", Programs("abidiff");
+    /// `vulkan_render.cpp` writes its picture with it.
+    PNG: "libpng's headers", "pkg-config libpng-dev", Library("libpng");
+    /// Similar to Unity's C#.
+    MONO: "Mono with its C# compiler", "mono-mcs mono-runtime", Programs("mcs mono");
+    WINDOWS_RUST: "Rust for Windows (or: rustup target add x86_64-pc-windows-gnu)", FOR_RUST, Rust(target::WINDOWS);
+    MINGW: "MinGW's compilers", "g++-mingw-w64-x86-64-posix mingw-w64-x86-64-dev",
+        Programs("x86_64-w64-mingw32-gcc-posix x86_64-w64-mingw32-g++-posix");
+    WINE: "Wine", "wine64", File(wine::PROGRAMS);
+    /// A display without a screen.
+    XVFB: "Xvfb", "xvfb", File(&["/usr/bin/Xvfb"]);
+    LLVM: "LLVM's clang, lld-link and llvm-dlltool", "clang lld llvm", Programs("clang lld-link llvm-strip");
+    AARCH64_RUST: "Rust for 64-bit ARM (or: rustup target add aarch64-unknown-linux-gnu)", FOR_RUST, Rust(target::AARCH64);
+    AARCH64_CC: "GNU's compilers for 64-bit ARM", "g++-aarch64-linux-gnu",
+        Programs("aarch64-linux-gnu-gcc aarch64-linux-gnu-g++");
+    I686_RUST: "Rust for 32-bit x86 (or: rustup target add i686-unknown-linux-gnu)", FOR_RUST, Rust(target::I686);
+    I686_CC: "GNU's compilers for 32-bit x86", "g++-i686-linux-gnu", Programs("i686-linux-gnu-gcc i686-linux-gnu-g++");
+    WEB_RUST: "Rust for WebAssembly (or: rustup target add wasm32-unknown-unknown)", FOR_RUST, Rust(target::WEB);
+    CHROMIUM: "Chromium", "chromium", Programs("/usr/bin/chromium");
+    /// Runs programs for 64-bit ARM.
+    QEMU: "qemu-aarch64", "qemu-user", Programs("qemu-aarch64");
+    /// Converts between file formats.
+    ASSIMP: "assimp", "assimp-utils", Call(&["assimp", "version"]);
+}
 
 /// What building and running programs for Windows takes.
 pub const FOR_WINDOWS: &[Tool] = &[CC, CMAKE, WINDOWS_RUST, MINGW, WINE, XVFB, LLVM, VULKAN, VULKAN_HEADERS];
