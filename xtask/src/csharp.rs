@@ -86,7 +86,7 @@ fn layout_program(items: &[Item]) -> Result<String> {
     let mut text: String = HEADERS.iter().map(|name| format!("#include <{name}>\n")).collect();
     text.push_str("#include <stdio.h>\n\nint main(void) {\n");
     for Item { name, form, .. } in items {
-        let Form::Struct { fields } = form else { continue };
+        let Form::Struct(fields) = form else { continue };
         writeln!(text, "    printf(\"{name} %zu\\n\", sizeof({name}));")?;
         for field in fields {
             let (own, there) = (&field.name, pascal(&field.name));

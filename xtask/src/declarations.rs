@@ -59,34 +59,19 @@ pub struct Variable {
     pub kind: Type,
 }
 
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Variant {
-    pub name: String,
-    pub value: String,
-}
+/// The name and the value of an enumerator.
+pub type Variant = (String, String);
 
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Form {
-    Define {
-        value: String,
-    },
-    Enum {
-        variants: Vec<Variant>,
-    },
+    Define(String),
+    Enum(Vec<Variant>),
     /// A struct without a definition.
     Opaque,
-    Struct {
-        fields: Vec<Variable>,
-    },
-    /// A pointer to a function of the host.
-    Callback {
-        result: Type,
-        parameters: Vec<Variable>,
-    },
-    Function {
-        result: Type,
-        parameters: Vec<Variable>,
-    },
+    Struct(Vec<Variable>),
+    /// A pointer to a function of the host: its result and parameters.
+    Callback(Type, Vec<Variable>),
+    Function(Type, Vec<Variable>),
 }
 
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -101,7 +86,7 @@ pub struct Item {
 /// The functions that the header declares.
 pub fn functions(text: &str) -> Result<Vec<Item>> {
     let mut items = header(text)?;
-    items.retain(|item| matches!(item.form, Form::Function { .. }));
+    items.retain(|item| matches!(item.form, Form::Function(..)));
     Ok(items)
 }
 
@@ -115,7 +100,7 @@ fn prefix(name: &str, variants: &[Variant]) -> String {
         own.push(letter.to_ascii_uppercase());
     }
     own.push('_');
-    if variants.iter().all(|variant| variant.name.starts_with(&own)) { own } else { "CRUMPLE_".to_owned() }
+    if variants.iter().all(|(name, _)| name.starts_with(&own)) { own } else { "CRUMPLE_".to_owned() }
 }
 
 /// A number of C in C# and in Python's ctypes.
@@ -191,13 +176,13 @@ fn form(text: &str) -> Result<(String, Form)> {
         Ok(found.map(|found| [1, 2, 3].map(|part| found.get(part).map_or("", |part| part.as_str()))))
     };
     if let Some([name, value, _]) = parts(r"^#define (\w+) +(.+)$")? {
-        return Ok((name.to_owned(), Form::Define { value: value.to_owned() }));
+        return Ok((name.to_owned(), Form::Define(value.to_owned())));
     }
     if let Some([list, name, _]) = parts(r"^typedef enum \w+ \{ (.*?),? \} (\w+);$")? {
-        return Ok((name.to_owned(), Form::Enum { variants: list.split(',').map(variant).collect::<Result<_>>()? }));
+        return Ok((name.to_owned(), Form::Enum(list.split(',').map(variant).collect::<Result<_>>()?)));
     }
     if let Some([list, name, _]) = parts(r"^typedef struct \w+ \{ (.*); \} (\w+);$")? {
-        return Ok((name.to_owned(), Form::Struct { fields: list.split(';').map(variable).collect::<Result<_>>()? }));
+        return Ok((name.to_owned(), Form::Struct(list.split(';').map(variable).collect::<Result<_>>()?)));
     }
     if let Some([name, again, _]) = parts(r"^typedef struct (\w+) (\w+);$")? {
         ensure!(name == again, "{name} and {again} should be one name");
@@ -205,11 +190,11 @@ fn form(text: &str) -> Result<(String, Form)> {
     }
     if let Some([result, name, list]) = parts(r"^typedef (.+)\(\*(\w+)\)\((.+)\);$")? {
         let result = variable(&format!("{result} result"))?.kind;
-        return Ok((name.to_owned(), Form::Callback { result, parameters: parameters(list)? }));
+        return Ok((name.to_owned(), Form::Callback(result, parameters(list)?)));
     }
     let [function, list, _] = parts(r"^(.+)\((.+)\);$")?.context("no declaration")?;
     let Variable { name, kind: result } = variable(function)?;
-    Ok((name, Form::Function { result, parameters: parameters(list)? }))
+    Ok((name, Form::Function(result, parameters(list)?)))
 }
 
 fn parameters(list: &str) -> Result<Vec<Variable>> {
@@ -218,7 +203,7 @@ fn parameters(list: &str) -> Result<Vec<Variable>> {
 
 fn variant(text: &str) -> Result<Variant> {
     let (name, value) = text.trim().split_once(" = ").with_context(|| format!("{text:?} has no value"))?;
-    Ok(Variant { name: name.to_owned(), value: value.to_owned() })
+    Ok((name.to_owned(), value.to_owned()))
 }
 
 /// `const T *name[4]`.

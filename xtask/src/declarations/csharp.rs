@@ -78,8 +78,8 @@ impl Writer<'_> {
             "bool" => "CrumpleBool",
             name => match self.form(name) {
                 None => number(name)?.0,
-                Some(Form::Enum { .. } | Form::Struct { .. }) => name,
-                Some(Form::Callback { .. }) => "IntPtr",
+                Some(Form::Enum(..) | Form::Struct(..)) => name,
+                Some(Form::Callback(..)) => "IntPtr",
                 Some(Form::Opaque) if kind.pointers > 0 => "void",
                 _ => bail!("{name:?} is a type that is not declared"),
             },
@@ -101,29 +101,29 @@ impl Writer<'_> {
             "{HEAD}using Crumple.Native;\n\nnamespace Crumple\n{{\n    [Flags]\n    public enum CrumpleFeatures : ulong\n    {{\n"
         );
         for Item { name, form, .. } in self.items {
-            if let (Form::Define { value }, Some(feature)) = (form, name.strip_prefix("CRUMPLE_FEATURE_")) {
+            if let (Form::Define(value), Some(feature)) = (form, name.strip_prefix("CRUMPLE_FEATURE_")) {
                 writeln!(text, "        {} = {value},", pascal(feature))?;
             }
         }
         text.push_str("    }\n\n");
         for Item { name, form, .. } in self.items {
             match form {
-                Form::Enum { variants } => {
+                Form::Enum(variants) => {
                     writeln!(text, "    public enum {name}\n    {{")?;
                     let prefix = prefix(name, variants);
-                    for variant in variants {
-                        writeln!(text, "        {} = {},", pascal(&variant.name[prefix.len()..]), variant.value)?;
+                    for (variant, value) in variants {
+                        writeln!(text, "        {} = {value},", pascal(&variant[prefix.len()..]))?;
                     }
                     text.push_str("    }\n\n");
                 }
-                Form::Callback { result, parameters } => {
+                Form::Callback(result, parameters) => {
                     let (result, list) = (self.kind(result, false)?, self.parameters(parameters)?);
                     let keyword = if result.contains('*') || list.contains('*') { "unsafe " } else { "" };
                     text.push_str("    [UnmanagedFunctionPointer(CallingConvention.Cdecl)]\n");
                     writeln!(text, "    public {keyword}delegate {result} {name}({list});\n")?;
                 }
-                Form::Struct { fields } => self.structure(&mut text, name, fields)?,
-                Form::Define { .. } | Form::Opaque | Form::Function { .. } => {}
+                Form::Struct(fields) => self.structure(&mut text, name, fields)?,
+                Form::Define(..) | Form::Opaque | Form::Function(..) => {}
             }
         }
         Ok(text.trim_end().to_owned() + "\n}\n")
@@ -162,7 +162,7 @@ impl Writer<'_> {
     /// The function without parameters that returns this struct.
     fn default_of(&self, structure: &str) -> Option<&str> {
         self.items.iter().find_map(|item| match &item.form {
-            Form::Function { result, parameters }
+            Form::Function(result, parameters)
                 if parameters.is_empty() && result.base == structure && result.pointers == 0 =>
             {
                 Some(item.name.as_str())
@@ -174,7 +174,7 @@ impl Writer<'_> {
     fn functions(&self) -> Result<String> {
         let mut text = format!("{HEAD}{METHODS}");
         for Item { name, form, .. } in self.items {
-            let Form::Define { value } = form else { continue };
+            let Form::Define(value) = form else { continue };
             // Features are an enum; a define in small letters is another name of a function, which C# has as it is.
             if !name.starts_with("CRUMPLE_FEATURE_") && !name.starts_with("crumple_") {
                 writeln!(text, "        public const uint {} = {};", define(name), defines_in(value)?)?;
@@ -182,7 +182,7 @@ impl Writer<'_> {
         }
         text.push('\n');
         for Item { name, form, .. } in self.items {
-            let Form::Function { result, parameters } = form else { continue };
+            let Form::Function(result, parameters) = form else { continue };
             text.push_str(
                 "        [DllImport(Library, CallingConvention = CallingConvention.Cdecl, ExactSpelling = true)]\n",
             );

@@ -28,25 +28,25 @@ pub fn module(items: &[Item]) -> Result<String> {
     let writer = Writer { items };
     let mut text = HEAD.to_owned();
     for Item { name, form, .. } in items {
-        if let Form::Define { value } = form {
+        if let Form::Define(value) = form {
             let value = value.replace("CRUMPLE_", "");
             writeln!(text, "{} = {value}", name.trim_start_matches("CRUMPLE_"))?;
         }
     }
     for item in items {
         match &item.form {
-            Form::Enum { variants } => enumeration(&mut text, item, variants)?,
-            Form::Struct { fields } => writer.structure(&mut text, &item.name, fields)?,
-            Form::Callback { result, parameters } => {
+            Form::Enum(variants) => enumeration(&mut text, item, variants)?,
+            Form::Struct(fields) => writer.structure(&mut text, &item.name, fields)?,
+            Form::Callback(result, parameters) => {
                 let list = writer.list(std::iter::once(result).chain(parameters.iter().map(|one| &one.kind)))?;
                 writeln!(text, "\n\n{} = c.CFUNCTYPE({list})", item.name)?;
             }
-            Form::Define { .. } | Form::Opaque | Form::Function { .. } => {}
+            Form::Define(..) | Form::Opaque | Form::Function(..) => {}
         }
     }
     text.push_str("\n\nFUNCTIONS: dict[str, tuple[Any, list[Any]]] = {\n");
     for Item { name, form, .. } in items {
-        let Form::Function { result, parameters } = form else { continue };
+        let Form::Function(result, parameters) = form else { continue };
         let result = writer.kind(result).with_context(|| name.clone())?;
         let list = writer.list(parameters.iter().map(|one| &one.kind)).with_context(|| name.clone())?;
         writeln!(text, "    {name:?}: ({result}, [{list}]),")?;
@@ -60,7 +60,7 @@ fn enumeration(text: &mut String, item: &Item, variants: &[Variant]) -> Result<(
     let prefix = prefix(&item.name, variants);
     writeln!(text, "\n\nclass {}(IntEnum):", item.name)?;
     writeln!(text, "    \"\"\"{}\"\"\"\n", item.docs.join("\n    "))?;
-    for Variant { name, value } in variants {
+    for (name, value) in variants {
         writeln!(text, "    {} = {value}", &name[prefix.len()..])?;
     }
     Ok(())
@@ -96,8 +96,8 @@ impl Writer<'_> {
             ("bool", stars) => ("c.c_bool", stars),
             (name, stars) => match form {
                 None => (number(name)?.1, stars),
-                Some(Form::Enum { .. }) => ("c.c_uint32", stars),
-                Some(Form::Struct { .. } | Form::Callback { .. }) => (name, stars),
+                Some(Form::Enum(..)) => ("c.c_uint32", stars),
+                Some(Form::Struct(..) | Form::Callback(..)) => (name, stars),
                 Some(Form::Opaque) if stars > 0 => ("c.c_void_p", stars - 1),
                 _ => bail!("{name:?} is a type that is not declared"),
             },
