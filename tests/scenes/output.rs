@@ -104,9 +104,13 @@ impl Output {
 
 /// Deforms positions alone into new memory.
 pub fn positions(instance: &mut Instance) -> (Vec<[f32; 3]>, DeformReport) {
+    positions_with(instance, &Serial)
+}
+
+pub fn positions_with(instance: &mut Instance, tasks: &dyn TaskSystem) -> (Vec<[f32; 3]>, DeformReport) {
     let mut out = vec![[0.0; 3]; instance.example_set().vertex_count()];
     let memory = VertexMemory::separate(&mut out, None, None).unwrap();
-    let report = instance.deform(&mut Tracker::new(), memory, &Serial).unwrap();
+    let report = instance.deform(&mut Tracker::new(), memory, tasks).unwrap();
     (out, report)
 }
 
