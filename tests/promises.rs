@@ -387,23 +387,25 @@ fn quick_golden_marks_are_the_same_on_every_platform() {
 
 // ------------------------------------------------------------------------------------------- written: all, and only, changes
 
-/// Checks vertices interleaved in a random layout, with guard bytes before, between and after.
+/// Checks vertices interleaved in a random layout, in floats or packed, with guard bytes before, between and after.
 fn check_guards(set: &Arc<ExampleSet>, seed: u64) -> Result<(), TestCaseError> {
     const GUARD: u8 = 0xA5;
     let mut dice = Dice::new(seed);
     let gap = |dice: &mut Dice| 4 * dice.index(4);
     let has_tangents = set.mesh().tangents().is_some();
+    let formats = [(); 2].map(|()| [Encoding::F32, Encoding::Octahedral16x2][dice.index(2)]);
+    let words = |which: usize| if formats[which] == Encoding::F32 { 3 + which } else { 1 };
     let position = gap(&mut dice);
     let normal = position + 12 + gap(&mut dice);
-    let tangent = normal + 12 + gap(&mut dice);
-    let last = if has_tangents { tangent + 16 } else { normal + 12 };
+    let tangent = normal + 4 * words(0) + gap(&mut dice);
+    let last = if has_tangents { tangent + 4 * words(1) } else { normal + 4 * words(0) };
     let stride = last + gap(&mut dice);
     let count = set.vertex_count();
     // the memory ends with the last value; deform needs no byte beyond it
     let size = (count - 1) * stride + last;
     let before = dice.index(9);
     let mut bytes = vec![GUARD; before + size + 64];
-    let attribute = |offset| Attribute { offset, stride, format: Encoding::F32 };
+    let attribute = |offset, format| Attribute { offset, stride, format };
     let mut instance = new(set);
     let mut tracker = Tracker::new();
     let mut plain = Output::new(set);
@@ -411,26 +413,29 @@ fn check_guards(set: &Arc<ExampleSet>, seed: u64) -> Result<(), TestCaseError> {
         instance.submit(&random_hit(set, &mut dice)).unwrap();
         let memory = VertexMemory::interleaved(
             &mut bytes[before..before + size],
-            attribute(position),
-            Some(attribute(normal)),
-            has_tangents.then_some(attribute(tangent)),
+            attribute(position, Encoding::F32),
+            Some(attribute(normal, formats[0])),
+            has_tangents.then_some(attribute(tangent, formats[1])),
         )
         .unwrap();
         instance.deform(&mut tracker, memory, &Serial).unwrap();
         plain.update(&mut instance);
     }
     let mut untouched = bytes.clone();
+    let packed = |[x, y]: [u16; 2]| vec![u32::from(x) | u32::from(y) << 16];
     for v in 0..count {
-        let mut take = |offset: usize, floats: usize| -> Vec<u32> {
+        let mut take = |offset: usize, words: usize| -> Vec<u32> {
             let at = before + v * stride + offset;
-            untouched[at..at + 4 * floats].fill(GUARD);
-            bytes[at..at + 4 * floats].chunks_exact(4).map(|b| u32::from_le_bytes(b.try_into().unwrap())).collect()
+            untouched[at..at + 4 * words].fill(GUARD);
+            bytes[at..at + 4 * words].chunks_exact(4).map(|b| u32::from_le_bytes(b.try_into().unwrap())).collect()
         };
+        let (n, t) = (plain.normals[v], plain.tangents[v]);
+        let floats = [n.map(f32::to_bits).to_vec(), t.map(f32::to_bits).to_vec()];
+        let packed = [packed(scenes::octahedral_normal(n)), packed(scenes::octahedral_tangent(t))];
+        let ought = |which: usize| if words(which) == 1 { &packed[which] } else { &floats[which] };
         prop_assert_eq!(take(position, 3), plain.positions[v].map(f32::to_bits).to_vec());
-        prop_assert_eq!(take(normal, 3), plain.normals[v].map(f32::to_bits).to_vec());
-        if has_tangents {
-            prop_assert_eq!(take(tangent, 4), plain.tangents[v].map(f32::to_bits).to_vec());
-        }
+        prop_assert_eq!(&take(normal, words(0)), ought(0));
+        prop_assert!(!has_tangents || take(tangent, words(1)) == *ought(1), "tangent of vertex {v}");
     }
     prop_assert!(untouched.iter().all(|b| *b == GUARD), "a byte outside the attributes was written");
     Ok(())

@@ -507,3 +507,38 @@ pub fn key(mark: &crumple::Mark) -> Vec<u8> {
 pub fn fnv(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(*b)).wrapping_mul(0x0000_0100_0000_01b3))
 }
+
+/// Godot's `Vector3::octahedron_encode`.
+fn octahedron_encode(v: [f32; 3]) -> [f32; 2] {
+    let sum = v[0].abs() + v[1].abs() + v[2].abs();
+    let n = [v[0] / sum, v[1] / sum, v[2] / sum];
+    let mut o = [0.0; 2];
+    if n[2] >= 0.0 {
+        o[0] = n[0];
+        o[1] = n[1];
+    } else {
+        o[0] = (1.0 - n[1].abs()) * (if n[0] >= 0.0 { 1.0 } else { -1.0 });
+        o[1] = (1.0 - n[0].abs()) * (if n[1] >= 0.0 { 1.0 } else { -1.0 });
+    }
+    [o[0] * 0.5 + 0.5, o[1] * 0.5 + 0.5]
+}
+
+/// What Godot's `RenderingServer` stores.
+fn stored(o: [f32; 2]) -> [u16; 2] {
+    o.map(|x| (x * 65535.0).clamp(0.0, 65535.0) as u16)
+}
+
+/// A normal as Godot stores it.
+pub fn octahedral_normal(n: [f32; 3]) -> [u16; 2] {
+    stored(octahedron_encode(n))
+}
+
+/// Godot's `Vector3::octahedron_tangent_encode`, stored.
+pub fn octahedral_tangent(t: [f32; 4]) -> [u16; 2] {
+    let mut res = octahedron_encode([t[0], t[1], t[2]]);
+    res[1] = res[1].max(1.0 / 32767.0);
+    res[1] = res[1] * 0.5 + 0.5;
+    res[1] = if t[3] >= 0.0 { res[1] } else { 1.0 - res[1] };
+    let vector = stored(res);
+    if vector == [0, 65535] { [65535, 65535] } else { vector }
+}
