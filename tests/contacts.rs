@@ -127,27 +127,6 @@ fn quick_compliance_replaces_mass_and_duration() {
 }
 
 #[test]
-fn quick_transforms_may_be_set_while_another_thread_deforms() {
-    let set = scenes::sheet_set();
-    let mut body = with(&set, InstanceOptions::default());
-    let inbox = body.inbox().clone();
-    std::thread::scope(|s| {
-        s.spawn(|| {
-            for i in 0..1000 {
-                let at = glam::Mat4::from_translation(glam::Vec3::X * i as f32);
-                inbox.set_transform(at).unwrap();
-                let hit = Hit { space: crumple::Space::World, ..push([i as f32, 0.0, 0.0], [0.0, 0.0, -0.01]) };
-                assert_eq!(inbox.submit(&hit).unwrap().contact_distance, 0.0);
-            }
-        });
-        for _ in 0..100 {
-            body.fold();
-        }
-    });
-    assert_eq!(body.marks().unwrap().len(), 1);
-}
-
-#[test]
 fn quick_contacts_end_when_damage_is_replaced_repaired_or_reset() {
     let set = scenes::sheet_set();
     let part = push([0.1, 0.1, 0.0], [0.0, 0.0, -0.01]).of_contact(id(3));

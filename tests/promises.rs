@@ -922,8 +922,9 @@ fn quick_world_space_hits_arrive_in_the_bodys_own_space() {
     let turn = Quat::from_rotation_y(0.7) * Quat::from_rotation_x(-1.1);
     for scale in [Vec3::ONE, Vec3::splat(2.5), Vec3::new(1.0, 2.0, 0.5)] {
         let to_world = Mat4::from_scale_rotation_translation(scale, turn, Vec3::new(100.0, -20.0, 3.0));
-        let moved = new(&set);
-        moved.set_transform(to_world).unwrap();
+        let mut moved = new(&set);
+        moved.inbox().set_transform(to_world).unwrap();
+        moved.fold();
         let mut dice = Dice::new(6);
         for _ in 0..20 {
             let local = random_hit(&set, &mut dice);
