@@ -18,8 +18,8 @@ use std::collections::HashMap;
 /// The device, and the VkBuffers that ranges lie in.
 pub(super) struct Attached {
     pub(super) device: Kind,
-    /// By handle.
-    hosts: HashMap<u64, HostBuffer>,
+    /// By handle: its id, and how many ranges lie in it.
+    hosts: HashMap<u64, (BufferId, usize)>,
 }
 
 pub(super) enum Kind {
@@ -85,14 +85,6 @@ impl Kind {
     }
 }
 
-struct HostBuffer {
-    /// Of the host's own device.
-    def: Option<BufferDef>,
-    id: BufferId,
-    /// Ranges in it.
-    ranges: usize,
-}
-
 impl Attached {
     pub(super) fn new(device: Kind) -> Self {
         Self { device, hosts: HashMap::new() }
@@ -131,39 +123,33 @@ impl Attached {
             after: access(def.after_stages, def.after_access),
         };
         let id = match (self.hosts.get(&def.buffer), &mut self.device) {
-            (Some(known), _) => known.def.map_or(Ok(()), |def| def.same(&buffer)).map(|()| known.id)?,
+            (Some((id, _)), Kind::Own(_)) => *id,
+            (Some((id, _)), Kind::Hosts(device)) => device.buffer_def(*id)?.same(&buffer).map(|()| *id)?,
             (None, Kind::Own(_)) => {
                 let message = "def.buffer is none of crumple_vulkan_import_buffer(); import it first";
                 return Err(Failure::invalid(message));
             }
-            (None, Kind::Hosts(device)) => {
-                let id = device.add_buffer(&buffer)?;
-                self.hosts.insert(def.buffer, HostBuffer { def: Some(buffer), id, ranges: 0 });
-                id
-            }
+            (None, Kind::Hosts(device)) => device.add_buffer(&buffer)?,
         };
         let device = self.device.device();
         let target = def.target(id).and_then(|target| Ok(device.add_target(instance.example_set(), &target)?));
-        let host = self.hosts.get_mut(&def.buffer).expect("it was found or inserted");
-        host.ranges += usize::from(target.is_ok());
+        self.hosts.entry(def.buffer).or_insert((id, 0)).1 += usize::from(target.is_ok());
         self.forget(def.buffer)?;
         target
     }
 
     pub(super) fn remove(&mut self, target: Target) -> Result<(), Failure> {
         let handle = target.binding.handle.as_raw();
-        let Some(host) = self.hosts.get_mut(&handle) else { return Ok(()) };
-        host.ranges -= 1;
+        let Some((_, ranges)) = self.hosts.get_mut(&handle) else { return Ok(()) };
+        *ranges -= 1;
         self.forget(handle)
     }
 
     /// Forgets a buffer of the host's device that no range lies in.
     fn forget(&mut self, handle: u64) -> Result<(), Failure> {
-        let unused = |host: &HostBuffer| host.ranges == 0 && host.def.is_some();
-        if let Some(host) = self.hosts.get(&handle).filter(|host| unused(host)) {
-            let id = host.id;
+        if let (Kind::Hosts(device), Some((id, 0))) = (&mut self.device, self.hosts.get(&handle)) {
+            device.remove_buffer(*id)?;
             self.hosts.remove(&handle);
-            self.device.device().remove_buffer(id)?;
         }
         Ok(())
     }
@@ -180,21 +166,21 @@ impl Attached {
             usage: vk::BufferUsageFlags::from_raw(def.usage),
         };
         let id = own.import_buffer(&def)?;
-        let handle = own.device().handle_of(id)?;
-        self.hosts.insert(handle, HostBuffer { def: None, id, ranges: 0 });
+        let handle = own.device().buffer_def(id)?.buffer.as_raw();
+        self.hosts.insert(handle, (id, 0));
         Ok(handle)
     }
 
     pub(super) fn release_buffer(&mut self, buffer: u64) -> Result<(), Failure> {
         let own = self.device.own("crumple_vulkan_unimport_buffer()")?;
-        let host = self.hosts.get(&buffer).ok_or_else(|| {
+        let (id, ranges) = *self.hosts.get(&buffer).ok_or_else(|| {
             Failure::invalid(format!("buffer is {buffer:#x}; it must be one of crumple_vulkan_import_buffer()"))
         })?;
-        if host.ranges > 0 {
-            let message = format!("{} ranges of buffer {buffer:#x} are registered; unregister them first", host.ranges);
+        if ranges > 0 {
+            let message = format!("{ranges} ranges of buffer {buffer:#x} are registered; unregister them first");
             return Err(Failure::invalid(message));
         }
-        own.remove_buffer(host.id)?;
+        own.remove_buffer(id)?;
         self.hosts.remove(&buffer);
         Ok(())
     }

@@ -168,10 +168,10 @@ impl Device {
         Ok(())
     }
 
-    /// The handle of a buffer.
+    /// The definition of a buffer.
     #[cfg(feature = "capi")]
-    pub(crate) fn handle_of(&self, id: BufferId) -> Result<u64, Error> {
-        Ok(self.hosts.get(id)?.def.buffer.as_raw())
+    pub(crate) fn buffer_def(&self, id: BufferId) -> Result<&BufferDef, Error> {
+        Ok(&self.hosts.get(id)?.def)
     }
 
     /// Adds a target: a place for the vertices of one of the set's meshes. The first target of a mesh copies the mesh and its

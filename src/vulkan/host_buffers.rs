@@ -4,6 +4,7 @@ use super::pipelines::{DescriptorSet, VulkanPipelines};
 use crate::base::error::Error;
 use crate::gpu::{BindingLimits, binding_range};
 use ash::vk;
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// An access to a buffer before or after the recorded commands.
@@ -55,12 +56,9 @@ impl BufferDef {
     }
 }
 
-/// The id of a registered buffer. A stale id is refused.
+/// The id of a registered buffer. No id is used twice; that of a removed buffer is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct BufferId {
-    index: u32,
-    generation: u32,
-}
+pub struct BufferId(u64);
 
 /// A registered buffer.
 pub(super) struct HostBuffer {
@@ -79,43 +77,33 @@ pub(super) struct BufferWindow {
 /// All registered buffers.
 #[derive(Default)]
 pub(super) struct HostBuffers {
-    entries: Vec<(u32, Option<HostBuffer>)>,
+    all: BTreeMap<BufferId, HostBuffer>,
+    last: u64,
 }
 
 impl HostBuffers {
     /// Adds a checked definition.
     pub(super) fn add(&mut self, def: &BufferDef) -> BufferId {
-        let host = HostBuffer { def: *def, windows: Vec::new(), used: 0 };
-        let entries = &mut self.entries;
-        let index = entries.iter().position(|(_, host)| host.is_none()).unwrap_or(entries.len());
-        if index == entries.len() {
-            entries.push((0, None));
-        }
-        let (generation, entry) = &mut entries[index];
-        *generation += 1;
-        *entry = Some(host);
-        BufferId { index: index as u32, generation: *generation }
+        self.last += 1;
+        self.all.insert(BufferId(self.last), HostBuffer { def: *def, windows: Vec::new(), used: 0 });
+        BufferId(self.last)
     }
 
     pub(super) fn remove(&mut self, id: BufferId) -> Result<HostBuffer, Error> {
-        self.get(id)?;
-        self.entries[id.index as usize].1.take().ok_or_else(|| stale(id))
+        self.all.remove(&id).ok_or_else(|| stale(id))
     }
 
     pub(super) fn get(&self, id: BufferId) -> Result<&HostBuffer, Error> {
-        let entry = self.entries.get(id.index as usize).filter(|(generation, _)| *generation == id.generation);
-        entry.and_then(|(_, host)| host.as_ref()).ok_or_else(|| stale(id))
+        self.all.get(&id).ok_or_else(|| stale(id))
     }
 
     pub(super) fn get_mut(&mut self, id: BufferId) -> Result<&mut HostBuffer, Error> {
-        let entry = self.entries.get_mut(id.index as usize).filter(|(generation, _)| *generation == id.generation);
-        entry.and_then(|(_, host)| host.as_mut()).ok_or_else(|| stale(id))
+        self.all.get_mut(&id).ok_or_else(|| stale(id))
     }
 }
 
 fn stale(id: BufferId) -> Error {
-    let value = format!("{}, generation {}", id.index, id.generation);
-    Error::invalid("buffer", value, "one of this device that was not removed")
+    Error::invalid("buffer", format!("number {}", id.0), "one of this device that was not removed")
 }
 
 impl HostBuffer {

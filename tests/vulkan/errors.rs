@@ -55,7 +55,7 @@ fn buffers_that_will_not_do_are_refused() {
         refused(add(BufferDef { after: none, ..good }), InvalidArgument, &["the stages after"]);
         let id = add(good).unwrap();
         crumple.remove_buffer(id).unwrap();
-        refused(crumple.remove_buffer(id), InvalidArgument, &["buffer", "generation 1"]);
+        refused(crumple.remove_buffer(id), InvalidArgument, &["buffer", "number 1"]);
         // SAFETY: a valid buffer.
         let again = unsafe { crumple.add_buffer(&good) }.unwrap();
         assert_ne!(id, again);
