@@ -47,12 +47,6 @@ fn words([x, y]: [f32; 2]) -> u32 {
     u32::from((x * 65535.0) as u16) | u32::from((y * 65535.0) as u16) << 16
 }
 
-/// A normal in [`Encoding::Octahedral16x2`], x in the lower half.
-#[cfg(feature = "gpu")]
-pub(crate) fn octahedral_normal(n: [f32; 3]) -> u32 {
-    words(octahedral(n))
-}
-
 /// A tangent in [`Encoding::Octahedral16x2`], x in the lower half.
 pub(crate) fn octahedral_tangent([x, y, z, sign]: [f32; 4]) -> u32 {
     let [x, y] = octahedral([x, y, z]);

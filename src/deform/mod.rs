@@ -17,9 +17,6 @@ pub use encoding::Encoding;
 pub use memory::{Attribute, RawStream, VertexMemory};
 pub use tracker::Tracker;
 
-#[cfg(feature = "gpu")]
-pub(crate) use encoding::{octahedral_normal, octahedral_tangent};
-
 use crate::base::error::{Error, reserve};
 use crate::base::math::Aabb;
 use crate::base::tasks::{Serial, TaskSystem, map};

@@ -17,7 +17,7 @@ pub use crate::deform::Encoding;
 pub(crate) use arena::Arena;
 #[cfg(feature = "vulkan")]
 pub(crate) use arena::ResidentMesh;
-pub use format::{Attribute, encode};
+pub use format::Attribute;
 #[cfg(feature = "wgpu")]
 pub(crate) use kernel::Module;
 pub(crate) use kernel::Variant;

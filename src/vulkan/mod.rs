@@ -53,6 +53,6 @@ pub use target::{Stream, Target, TargetDef};
 pub use vulkan_device::DeviceDef;
 
 #[doc(hidden)]
-pub use crate::gpu::{Attribute, Encoding, encode};
+pub use crate::gpu::{Attribute, Encoding};
 #[doc(hidden)]
 pub use pipelines::kernels;

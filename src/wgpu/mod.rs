@@ -51,4 +51,4 @@ pub use wgpu;
 pub use wgpu_device::DeviceDef;
 
 #[doc(hidden)]
-pub use crate::gpu::{Attribute, Encoding, encode};
+pub use crate::gpu::{Attribute, Encoding};

@@ -3,7 +3,8 @@
 use crumple::{DeformJob, ExampleSet, Instance, Serial, Tracker, VertexMemory, deform};
 
 use super::compare::{Bounds, Expected};
-use crate::backend::{Attribute, BufferRef, Def, Encoding, Stream, encode, format};
+use super::encode::encode;
+use crate::backend::{Attribute, BufferRef, Def, Encoding, Stream, format};
 
 pub const ATTRIBUTES: [Attribute; 3] = [Attribute::Position, Attribute::Normal, Attribute::Tangent];
 
@@ -84,7 +85,12 @@ impl TestLayout {
         let (mut p, mut n, mut t) = (vec![[0.0; 3]; count], vec![[0.0; 3]; count], vec![[0.0; 4]; count]);
         let normals = mesh.normals().map(|_| n.as_mut_slice());
         let tangents = mesh.tangents().map(|_| t.as_mut_slice());
-        let memory = VertexMemory::separate(&mut p, normals, tangents).unwrap();
+        let mut packed = [vec![[0u16; 2]; count], vec![[0u16; 2]; count]];
+        let is_packed = |i: usize| self.streams[i].is_some_and(|(_, encoding)| encoding == Encoding::Octahedral16x2);
+        let [packed_n, packed_t] = &mut packed;
+        let mut memory = VertexMemory::separate(&mut p, normals, tangents).unwrap();
+        memory = if is_packed(1) { memory.with_octahedral_normals(packed_n) } else { memory };
+        memory = if is_packed(2) { memory.with_octahedral_tangents(packed_t) } else { memory };
         let mut tracker = Tracker::new();
         deform(&mut [DeformJob { lod: self.lod, instance, tracker: &mut tracker, memory }], &Serial).unwrap();
         let (scale, bias) = match self.streams[0].unwrap().1 {
@@ -99,7 +105,11 @@ impl TestLayout {
                 let at = (self.offset + stream.offset + v as u64 * stream.stride) as usize / 4;
                 let n = words(ATTRIBUTES[i], encoding);
                 let scale = if i == 0 { scale } else { [1.0; 3] };
-                to.put(at, ATTRIBUTES[i], encoding, &encode(encoding, ATTRIBUTES[i], value)[..n], bounds, scale);
+                let words = match is_packed(i) {
+                    true => [u32::from(packed[i - 1][v][0]) | u32::from(packed[i - 1][v][1]) << 16, 0, 0, 0],
+                    false => encode(encoding, value),
+                };
+                to.put(at, ATTRIBUTES[i], encoding, &words[..n], bounds, scale);
             }
         }
     }

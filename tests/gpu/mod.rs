@@ -2,6 +2,7 @@
 //! with the same items: `Gpu`, a device with the library on it; `Buffer` and `Target`; `on_each_device`; and the formats.
 
 pub mod compare;
+pub mod encode;
 pub mod engine;
 pub mod frames;
 pub mod layout;

@@ -4,9 +4,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use crumple::vulkan::vk;
-pub use crumple::vulkan::{
-    Attribute, Encoding, RecordJob as Job, RecordReport as Report, Stream, Target, TargetDef, encode,
-};
+pub use crumple::vulkan::{Attribute, Encoding, RecordJob as Job, RecordReport as Report, Stream, Target, TargetDef};
 use crumple::vulkan::{BufferId, Device, DeviceDef};
 use crumple::{Error, ExampleSet};
 

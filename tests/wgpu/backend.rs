@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crumple::wgpu::wgpu::{self, VertexFormat};
 pub use crumple::wgpu::{
-    Attribute, EncodeJob as Job, EncodeReport as Report, Encoding, Stream, Target, TargetDef as Def, encode,
+    Attribute, EncodeJob as Job, EncodeReport as Report, Encoding, Stream, Target, TargetDef as Def,
 };
 use crumple::wgpu::{Device, DeviceDef, HeadlessDef, adapters};
 use crumple::{Error, ExampleSet};
