@@ -20,7 +20,7 @@ use crate::base::tasks::TaskSystem;
 use crate::example::set::ExampleSet;
 use bytemuck::{Pod, Zeroable};
 use layout::{ALIGN, IN_PLACE, MAGIC};
-use std::io::{Read, Write};
+use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -60,19 +60,7 @@ impl ExampleSet {
     /// # Errors
     /// [`Error::OutOfMemory`].
     pub fn save(&self) -> Result<Vec<u8>, Error> {
-        let file = write::File::new(self);
-        let mut out = reserve(file.length(), "a baked set")?;
-        // Writing to reserved memory cannot fail.
-        let _ = file.write(&mut out);
-        Ok(out)
-    }
-
-    /// Writes what [`ExampleSet::save`] returns, without holding it in memory.
-    ///
-    /// # Errors
-    /// Those of `out`.
-    pub fn save_to(&self, out: &mut impl Write) -> std::io::Result<()> {
-        write::File::new(self).write(out)
+        write::File::new(self).bytes()
     }
 
     /// Returns the size of what [`ExampleSet::save`] returns, bytes.

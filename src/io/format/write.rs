@@ -1,9 +1,11 @@
 //! Writes a set to a file.
 
 use super::layout::{
-    ALIGN, AnchoredRecord, BlowRecord, CHUNK, Entry, ExampleRecord, Header, Id, MAGIC, MeshRecord, SetRecord, UNHASHED,
-    VERSION, checksum,
+    ALIGN, AnchoredRecord, BlowRecord, Entry, ExampleRecord, Header, Id, MAGIC, MeshRecord, SetRecord, UNHASHED,
+    VERSION, file_checksum,
 };
+use crate::base::error::{Error, reserve};
+use crate::base::tasks::Serial;
 use crate::example::blocks::DeltaBlocks;
 use crate::example::blow::Blow;
 use crate::example::mesh_lod::MeshLod;
@@ -11,10 +13,8 @@ use crate::example::options::VertexMass;
 use crate::example::set::ExampleSet;
 use bytemuck::{Pod, bytes_of, cast_slice};
 use std::borrow::Cow;
-use std::hash::Hasher;
-use std::io::{self, Write};
+use std::mem::offset_of;
 use std::sync::Arc;
-use twox_hash::XxHash3_64;
 
 /// The content of one section, as consecutive pieces.
 struct Section<'a> {
@@ -75,8 +75,8 @@ impl<'a> File<'a> {
         self.length
     }
 
-    pub(super) fn write(&self, out: &mut impl Write) -> io::Result<()> {
-        let mut header = Header {
+    pub(super) fn bytes(&self) -> Result<Vec<u8>, Error> {
+        let header = Header {
             magic: MAGIC,
             checksum: 0,
             length: self.length as u64,
@@ -84,31 +84,16 @@ impl<'a> File<'a> {
             sections: self.table.len() as u32,
             zero: [0; 32],
         };
-        let mut hash = Chunks::default();
-        self.each(&header, &mut |bytes| {
-            hash.add(bytes);
-            Ok(())
-        })?;
-        header.checksum = hash.finish();
-        self.each(&header, &mut |bytes| out.write_all(bytes))
-    }
-
-    /// Passes all bytes to `put`, in order.
-    fn each(&self, header: &Header, put: &mut dyn FnMut(&[u8]) -> io::Result<()>) -> io::Result<()> {
-        let mut at = 0;
-        let mut put = |bytes: &[u8]| {
-            at += bytes.len();
-            put(bytes).map(|()| at)
-        };
-        put(bytes_of(header))?;
-        let mut at = put(cast_slice(&self.table))?;
+        let mut out = reserve(self.length, "a baked set")?;
+        out.extend_from_slice(bytes_of(&header));
+        out.extend_from_slice(cast_slice(&self.table));
         for s in &self.sections {
-            put(&[0; ALIGN][..at.next_multiple_of(ALIGN) - at])?;
-            for piece in &s.pieces {
-                at = put(piece)?;
-            }
+            out.resize(out.len().next_multiple_of(ALIGN), 0);
+            s.pieces.iter().for_each(|piece| out.extend_from_slice(piece));
         }
-        Ok(())
+        let checksum = file_checksum(&out, &Serial);
+        out[offset_of!(Header, checksum)..UNHASHED].copy_from_slice(&checksum.to_le_bytes());
+        Ok(out)
     }
 
     /// Adds a section, unless it has no elements.
@@ -228,43 +213,5 @@ fn blow_of(b: &Blow) -> BlowRecord {
         striker_mass: number(b.striker.mass),
         striker_velocity: vector(b.striker.velocity),
         striker_radius: number(b.striker.radius),
-    }
-}
-
-/// Computes the checksum of bytes that arrive in pieces.
-#[derive(Default)]
-struct Chunks {
-    skipped: usize,
-    current: XxHash3_64,
-    filled: usize,
-    hashes: Vec<u64>,
-}
-
-impl Chunks {
-    fn add(&mut self, bytes: &[u8]) {
-        let skip = (UNHASHED - self.skipped).min(bytes.len());
-        self.skipped += skip;
-        let mut bytes = &bytes[skip..];
-        while !bytes.is_empty() {
-            let (now, later) = bytes.split_at(bytes.len().min(CHUNK - self.filled));
-            self.current.write(now);
-            self.filled += now.len();
-            if self.filled == CHUNK {
-                self.next();
-            }
-            bytes = later;
-        }
-    }
-
-    fn next(&mut self) {
-        self.hashes.push(std::mem::take(&mut self.current).finish());
-        self.filled = 0;
-    }
-
-    fn finish(mut self) -> u64 {
-        if self.filled > 0 {
-            self.next();
-        }
-        checksum(&self.hashes)
     }
 }
