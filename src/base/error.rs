@@ -2,12 +2,12 @@
 
 use super::memory::may_fail;
 
-/// The coarse kind of an [`Error`]. Each kind has one result code in the C interface.
+/// The coarse kind of an [`Error`]. Its number is that of the result in the C interface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum ErrorKind {
     /// A value lies outside its range.
-    InvalidArgument,
+    InvalidArgument = 1,
     /// A number is NaN or infinite.
     NotFinite,
     /// An index is out of range.
@@ -34,12 +34,12 @@ pub enum ErrorKind {
     OutOfMemory,
     /// The call is not available with the instance's rule.
     WrongRule,
-    /// A contact id that no hit opened, or that was ended.
-    UnknownContact,
     /// A call into the graphics driver failed.
     Vulkan,
     /// The graphics device is lost. Damage is kept.
     DeviceLost,
+    /// A contact id that no hit opened, or that was ended.
+    UnknownContact,
 }
 
 /// Any error of the library. The message names the wrong value and what would be right.

@@ -1,7 +1,7 @@
 //! What a call answers: a result, and a text that names what was wrong.
 
 use super::c_enum::number;
-use crate::base::error::{Error, ErrorKind};
+use crate::base::error::Error;
 use std::cell::RefCell;
 use std::ffi::{CStr, c_char};
 use std::mem::MaybeUninit;
@@ -129,27 +129,8 @@ impl Failure {
 
 impl From<Error> for Failure {
     fn from(error: Error) -> Self {
-        use CrumpleResult::*;
-        let result = match error.kind() {
-            ErrorKind::InvalidArgument => CrumpleErrorInvalidArgument,
-            ErrorKind::NotFinite => CrumpleErrorNotFinite,
-            ErrorKind::IndexOutOfRange => CrumpleErrorIndexOutOfRange,
-            ErrorKind::Mesh => CrumpleErrorMesh,
-            ErrorKind::ExampleMismatch => CrumpleErrorExampleMismatch,
-            ErrorKind::BufferTooSmall => CrumpleErrorBufferTooSmall,
-            ErrorKind::Misaligned => CrumpleErrorMisaligned,
-            ErrorKind::ContactTooFar => CrumpleErrorContactTooFar,
-            ErrorKind::Unsupported => CrumpleErrorUnsupported,
-            ErrorKind::Format => CrumpleErrorFormat,
-            ErrorKind::Io => CrumpleErrorIo,
-            ErrorKind::DamageMismatch => CrumpleErrorDamageMismatch,
-            ErrorKind::OutOfMemory => CrumpleErrorOutOfMemory,
-            ErrorKind::WrongRule => CrumpleErrorWrongRule,
-            ErrorKind::Vulkan => CrumpleErrorVulkan,
-            ErrorKind::DeviceLost => CrumpleErrorDeviceLost,
-            ErrorKind::UnknownContact => CrumpleErrorUnknownContact,
-        };
-        Self::new(result, error.to_string())
+        let numbered = NAMES.iter().find(|(result, _)| *result as u32 == error.kind() as u32);
+        Self::new(numbered.map_or(CrumpleResult::CrumpleErrorInternal, |(result, _)| *result), error.to_string())
     }
 }
 
