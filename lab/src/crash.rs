@@ -61,7 +61,7 @@ pub fn run(options: &Options) -> Result<()> {
         }
         if frame % every == 0 {
             let shown = scene.shown(&pool)?;
-            let image = photograph(shown.body(), &camera, view, size, &Finish::Coats(&shown.coats));
+            let image = photograph(shown.body(), &camera, view, size, &Finish::Coats(&shown.coats), None);
             write_frame(&folder, frame, &image)?;
         }
     }

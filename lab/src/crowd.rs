@@ -15,7 +15,7 @@ use crate::machine::Machine;
 use crate::metric::{median, quantile};
 use crate::peers::VERSION;
 use crate::peers::rapier_contacts::RapierContacts;
-use crate::pictures::picture::{Camera, Coat, Finish, Image, View, legend, photograph_all};
+use crate::pictures::picture::{Camera, Coat, Finish, Image, View, legend, photograph};
 use crate::stability::Dice;
 use crate::table::{Table, num};
 
@@ -299,7 +299,7 @@ impl<'a> Scene<'a> {
         }
         shown.reach(&corners(STAGE));
         let view = View { up: UP, toward: camera.back };
-        Ok(photograph_all(shown.body(), camera, view, size, &Finish::Coats(&shown.coats), Some(RADIUS)))
+        Ok(photograph(shown.body(), camera, view, size, &Finish::Coats(&shown.coats), Some(RADIUS)))
     }
 }
 

@@ -318,7 +318,7 @@ impl<'a> Looks<'a> {
             let normals: Vec<Vec3> = normals(self.body, field).iter().map(|n| n.as_vec3()).collect();
             let triangles = &self.body.triangles;
             let body = Drawn { positions: &positions, normals: &normals, triangles, values: &[] };
-            photograph(body, &camera, view, PANEL, &Finish::Coats(&[]))
+            photograph(body, &camera, view, PANEL, &Finish::Coats(&[]), None)
         })
     }
 }

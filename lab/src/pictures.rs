@@ -199,7 +199,7 @@ impl Scene {
             let normals = self.normals(positions);
             let triangles = self.set.mesh().triangles();
             let body = Body { positions, normals: &normals, triangles, values: &[] };
-            let mut image = photograph(body, &camera, view, PANEL, &Finish::Coats(&[]));
+            let mut image = photograph(body, &camera, view, PANEL, &Finish::Coats(&[]), None);
             legend::caption(&mut image, 20, title, detail);
             image
         };
@@ -238,7 +238,7 @@ impl Scene {
             let positions = self.moved(field);
             let normals = self.normals(&positions);
             let body = Body { positions: &positions, normals: &normals, triangles: &triangles, values: &[] };
-            let mut image = photograph(body, &camera, view, PANEL, &Finish::Coats(&[]));
+            let mut image = photograph(body, &camera, view, PANEL, &Finish::Coats(&[]), None);
             image.rgb[..BAND * PANEL[0] * 3].fill(236);
             let here = metric::sub(field[worst[0] as usize], field[worst[1] as usize]);
             let detail = format!("{} mm across one edge here", millimetres(metric::dot64(here, here).sqrt() as f32));

@@ -91,7 +91,7 @@ impl Subject<'_> {
             let points = self.before.iter().chain(self.after);
             Camera::framing(points, view, size[0] as f32 / size[1] as f32, MARGINS)
         };
-        let photo = |body, size, finish: &Finish<'_>| photograph(body, &camera(size), view, size, finish);
+        let photo = |body, size, finish: &Finish<'_>| photograph(body, &camera(size), view, size, finish, None);
         let half = [size[0] / 2, size[1]];
         let mut image = match kind {
             Kind::Base => photo(before, size, &finish),
@@ -143,13 +143,8 @@ impl Subject<'_> {
     }
 }
 
-/// Draws one body in the studio.
-pub fn photograph(body: Body<'_>, camera: &Camera, view: View, size: [usize; 2], finish: &Finish<'_>) -> Image {
-    photograph_all(body, camera, view, size, finish, None)
-}
-
-/// Draws several bodies in the studio, which are `body` together. `radius` is that of one of them, m.
-pub fn photograph_all(
+/// Draws a body in the studio, or several that are `body` together. Then `radius` is that of one of them, m.
+pub fn photograph(
     body: Body<'_>,
     camera: &Camera,
     view: View,
