@@ -50,9 +50,7 @@ pub unsafe extern "C" fn crumple_buffer_register_graph(
     built_with!("vulkan", exclusive, "crumple_buffer_register_graph", context, |_, state| {
         let (def, out) = (self::def(def, "def")?, Out::new(out_buffer, "out_buffer")?);
         let owner = &state.instances.get(instance, "instance")?.instance;
-        if owner.classic_state().is_some() {
-            return Err(owner.needs_marks("a buffer of a render graph").into());
-        }
+        owner.only_marks("a buffer of a render graph")?;
         let target = def.target(GraphBuffer { number: def.buffer, size: def.buffer_size })?;
         let memory = Memory::Graph(state.graph.graph.add_target(owner.example_set(), &target)?);
         add_buffer(state, instance, (def.lod, def.user_data), memory, out)

@@ -7,7 +7,6 @@ use crate::base::error::reserve;
 use crate::base::strided::Strided;
 use crate::deform::{Attribute, Encoding, RawStream, VertexMemory};
 use crate::instance::Instance;
-use crate::instance::options::Rule;
 use std::ffi::c_void;
 use std::mem::MaybeUninit;
 
@@ -153,8 +152,8 @@ defs!(CrumpleHostBufferDef);
 
 /// Fails for a mesh that instances with this one's rule cannot show.
 pub(super) fn check_lod(instance: &Instance, lod: u32) -> Result<(), Failure> {
-    if lod > 0 && instance.options().rule != Rule::Marks {
-        return Err(instance.needs_marks("a buffer of another level of detail than 0").into());
+    if lod > 0 {
+        instance.only_marks("a buffer of another level of detail than 0")?;
     }
     Ok(())
 }

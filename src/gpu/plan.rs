@@ -132,8 +132,8 @@ impl<B: Copy + Ord> Plan<B> {
                 let expected = "an instance of the target's set";
                 return Err(Error::invalid(&format!("instance of job {j}"), "of another example set", expected));
             }
-            if target.mesh.lod > 0 && instance.classic_state().is_some() {
-                return Err(instance.needs_marks("a target of another level of detail than 0"));
+            if target.mesh.lod > 0 {
+                instance.only_marks("a target of another level of detail than 0")?;
             }
         }
         Ok(())

@@ -159,9 +159,7 @@ impl Graph {
     /// plan has the uploads.
     pub fn plan(&mut self, jobs: &mut [GraphJob<'_>]) -> Result<(PlanReport, &Passes), Error> {
         self.plan.check(jobs)?;
-        if let Some(job) = jobs.iter().find(|job| job.instance.classic_state().is_some()) {
-            return Err(job.instance.needs_marks("a target of a render graph"));
-        }
+        jobs.iter().try_for_each(|job| job.instance.only_marks("a target of a render graph"))?;
         self.free_meshes();
         let mut report = self.plan.fill(jobs)?;
         let Passes { uploads, work, dispatches, .. } = &mut self.next;

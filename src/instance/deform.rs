@@ -91,8 +91,8 @@ fn is_current(job: &DeformJob<'_, '_>) -> bool {
 
 fn output<'j>(job: &'j mut DeformJob<'_, '_>) -> Result<Output<'j, 'j>, Error> {
     let mesh = job.instance.example_set().lod(job.lod)?;
-    if job.lod > 0 && job.instance.classic_state().is_some() {
-        return Err(job.instance.needs_marks("a deform of another level of detail than 0"));
+    if job.lod > 0 {
+        job.instance.only_marks("a deform of another level of detail than 0")?;
     }
     Ok(Output { view: job.instance.view(), lod: job.lod, mesh, tracker: job.tracker, memory: &job.memory })
 }

@@ -1,7 +1,7 @@
 //! The inbox, where hits arrive from any thread.
 
 use super::contacts::{ContactEvent, ContactPart, Contacts, Push};
-use super::options::{Rule, needs_marks};
+use super::options::Rule;
 use super::selection::select;
 use crate::base::error::Error;
 use crate::base::sync::{Mutex, MutexGuard, RwLock, RwLockReadGuard, RwLockWriteGuard};
@@ -151,7 +151,7 @@ impl Inbox {
     /// [`Error::UnknownContact`] for an id that no hit has, or that this call ended before; [`Error::WrongRule`] with a
     /// classic rule; [`Error::OutOfMemory`].
     pub fn end_contact(&self, id: NonZeroU64) -> Result<(), Error> {
-        self.contacts_allowed("end_contact")?;
+        self.rule.only_marks("end_contact")?;
         self.push(Pending::Contact(ContactEvent { id, part: None }), &self.followers())
     }
 
@@ -209,13 +209,13 @@ impl Inbox {
 
     fn select(&self, params: &HitParams, hit: &Hit) -> Result<Outcome, Error> {
         if hit.contact.is_some() {
-            self.contacts_allowed("a hit with a contact id")?;
+            self.rule.only_marks("a hit with a contact id")?;
         }
         select(&self.set, self.rule, params, hit)
     }
 
     pub(crate) fn contacts_allowed(&self, call: &str) -> Result<(), Error> {
-        if self.rule == Rule::Marks { Ok(()) } else { Err(needs_marks(call, self.rule)) }
+        self.rule.only_marks(call)
     }
 
     pub(super) fn params(&self) -> HitParams {

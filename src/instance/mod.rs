@@ -29,7 +29,7 @@ use contacts::Contacts;
 use glam::{DMat3, DVec3, Mat4};
 use growth::Growth;
 use inbox::{Inbox, Pending};
-use options::{InstanceOptions, Rule, check_limit, needs_marks};
+use options::{InstanceOptions, Rule, check_limit};
 use std::num::NonZeroU64;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -498,12 +498,9 @@ impl Instance {
         if let ShapeState::Classic(state) = &self.shape { Some(state) } else { None }
     }
 
-    fn only_marks(&self, call: &str) -> Result<(), Error> {
-        if self.classic_state().is_none() { Ok(()) } else { Err(self.needs_marks(call)) }
-    }
-
-    pub(crate) fn needs_marks(&self, call: &str) -> Error {
-        needs_marks(call, self.options.rule)
+    /// Fails if the instance has a classic rule. `call` is what needs marks.
+    pub(crate) fn only_marks(&self, call: &str) -> Result<(), Error> {
+        self.options.rule.only_marks(call)
     }
 }
 

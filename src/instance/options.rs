@@ -16,12 +16,14 @@ pub enum Rule {
 }
 
 impl Rule {
-    fn name(self) -> &'static str {
-        match self {
-            Rule::Marks => "Marks",
+    /// Fails for a classic rule. `call` is what needs marks.
+    pub(crate) fn only_marks(self, call: &str) -> Result<(), Error> {
+        let rule = match self {
+            Rule::Marks => return Ok(()),
             Rule::MostDisplaced => "MostDisplaced",
             Rule::Blend(_) => "Blend",
-        }
+        };
+        Err(Error::WrongRule { call: call.into(), needed: "the rule Marks".into(), rule: rule.into() })
     }
 }
 
@@ -110,8 +112,4 @@ pub(super) fn check_limit(limit: Option<f32>) -> Result<(), Error> {
         Some(l) if !(l > 0.0 && l <= 1e9) => Err(Error::invalid("depth_limit", l, "above 0 and at most 1e9 m")),
         _ => Ok(()),
     }
-}
-
-pub(super) fn needs_marks(call: &str, rule: Rule) -> Error {
-    Error::WrongRule { call: call.into(), needed: "the rule Marks".into(), rule: rule.name().into() }
 }
