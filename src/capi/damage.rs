@@ -110,7 +110,7 @@ pub unsafe extern "C" fn crumple_context_load_damage(
         let bytes = array(data.cast::<u8>(), size, "data")?;
         let ids = listed(state, instances, count)?;
         let mut read = BTreeMap::new();
-        for (i, (id, bytes)) in ids.iter().zip(unpack(bytes, ids.len())?).enumerate() {
+        for (i, (id, bytes)) in ids.iter().zip(unpack(bytes, Some(ids.len()))?).enumerate() {
             let instance = &state.instances.get(*id, &format!("instances[{i}]"))?.instance;
             read.insert(id.index, instance.read(bytes).map_err(|error| of(i, error))?);
         }

@@ -37,7 +37,7 @@ pub(crate) fn pack(each: impl Iterator<Item = Vec<u8>>) -> Vec<u8> {
 /// [`Error::DamageMismatch`] for bytes that were changed, are cut short, or are of another version or number of instances; those of
 /// [`Instance::load`], naming the instance. After an error nothing has changed.
 pub fn load_all(instances: &mut [&mut Instance], bytes: &[u8], tasks: &dyn TaskSystem) -> Result<(), Error> {
-    let each = unpack(bytes, instances.len())?;
+    let each = unpack(bytes, Some(instances.len()))?;
     let read = instances.iter().zip(each).enumerate().map(|(at, (i, bytes))| i.read(bytes).map_err(|e| of(at, e)));
     let read = read.collect::<Result<Vec<_>, _>>()?;
     map(tasks, instances.iter_mut().zip(read), |(instance, saved)| instance.become_saved(saved));
@@ -49,13 +49,8 @@ pub(crate) fn are_many(bytes: &[u8]) -> bool {
     bytes.starts_with(&MAGIC)
 }
 
-/// Takes the saved damage of `count` instances apart.
-pub(crate) fn unpack(bytes: &[u8], count: usize) -> Result<Vec<&[u8]>, Error> {
-    take_apart(bytes, Some(count))
-}
-
 /// Takes the saved damage of so many instances apart. `None`: of any number.
-pub(super) fn take_apart(bytes: &[u8], count: Option<usize>) -> Result<Vec<&[u8]>, Error> {
+pub(crate) fn unpack(bytes: &[u8], count: Option<usize>) -> Result<Vec<&[u8]>, Error> {
     let bad = |what: String| Error::DamageMismatch { what };
     let short = || bad(format!("{} bytes, cut short", bytes.len()));
     let (header, _) = bytes.split_first_chunk::<HEADER>().ok_or_else(short)?;

@@ -1,6 +1,6 @@
 //! Damage that was saved with one revision of an example set, for another revision.
 
-use super::archive::{are_many, of, pack, take_apart};
+use super::archive::{are_many, of, pack, unpack};
 use crate::base::error::{Error, reserve};
 use crate::damage::mark::Mark;
 use crate::damage::saved;
@@ -45,7 +45,7 @@ pub fn map_damage(
     }
     let mut mapper = Mapper { from, to, max_distance, mapping: Mapping::default() };
     let out = if are_many(bytes) {
-        let each = take_apart(bytes, None)?.into_iter().enumerate().map(|(at, one)| {
+        let each = unpack(bytes, None)?.into_iter().enumerate().map(|(at, one)| {
             let stays = !saved::belongs_to(from, one);
             if stays { Ok(one.to_vec()) } else { mapper.one(one).map_err(|error| of(at, error)) }
         });
