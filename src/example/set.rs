@@ -16,7 +16,7 @@ use crate::mesh::nearest::{Nearest, VertexIndex};
 use crate::mesh::rim::Rim;
 use crate::mesh::surface::SurfaceIndex;
 use crate::mesh::vertex_blocks::BLOCK;
-use crate::mesh::{Mesh, finite};
+use crate::mesh::Mesh;
 use std::sync::{Arc, OnceLock};
 
 /// A base mesh with its examples. It is immutable: the instances of the mesh and threads share it through an `Arc`.
@@ -220,10 +220,7 @@ impl ExampleSet {
     /// # Errors
     /// [`Error::NotFinite`]; [`Error::InvalidArgument`] if the distance overflows.
     pub fn nearest_vertex(&self, point: [f32; 3]) -> Result<Nearest, Error> {
-        let p = finite(point, || "point".into())?;
-        self.index
-            .nearest(p, self.mesh().positions())
-            .ok_or_else(|| Error::invalid("point", p, "near enough that squared distances fit in f32"))
+        self.index.of_point(point, self.mesh().positions())
     }
 
     /// The source index of each vertex. `None` unless the order of a [reordered](fn@crate::reorder) mesh was

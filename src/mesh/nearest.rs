@@ -17,8 +17,10 @@
 //! differences. Rounding is monotonic, so no point in a box is nearer than the box. Results therefore equal those of
 //! comparing all vertices.
 
+use super::finite;
 use crate::base::array::Array;
 use crate::base::array_vec::ArrayVec;
+use crate::base::error::Error;
 use crate::base::math::Aabb;
 use crate::base::tasks::TaskSystem;
 use crate::base::tasks::map;
@@ -204,6 +206,16 @@ impl VertexIndex {
 
     pub(crate) fn bytes(&self) -> usize {
         self.inner.bytes() + self.leaves.bytes()
+    }
+
+    /// The vertex nearest to a point of the caller's.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`]; [`Error::InvalidArgument`] if the distance overflows.
+    pub(crate) fn of_point(&self, point: [f32; 3], positions: &[Vec3]) -> Result<Nearest, Error> {
+        let p = finite(point, || "point".into())?;
+        let expected = "near enough that squared distances fit in f32";
+        self.nearest(p, positions).ok_or_else(|| Error::invalid("point", p, expected))
     }
 
     /// The vertex with the smallest f32 squared distance, the lowest if several are equal. `None` only if the distance

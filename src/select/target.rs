@@ -65,14 +65,6 @@ impl Landing {
         let index = weld.iter().any(|w| *w != u32::MAX).then(|| VertexIndex::new(mesh.positions(), &weld, &Serial))?;
         Some(Landing { index, rigid: (0..count).map(is_rigid).collect() })
     }
-
-    /// The nearest of these vertices. The lowest index if several are equally near.
-    fn nearest(&self, set: &ExampleSet, point: [f32; 3]) -> Result<Nearest, Error> {
-        let p = finite(point, || "point".into())?;
-        self.index
-            .nearest(p, set.mesh().positions())
-            .ok_or_else(|| Error::invalid("point", p, "near enough that squared distances fit in f32"))
-    }
 }
 
 /// The displacement that a hit asks of a vertex.
@@ -195,9 +187,7 @@ fn contact(set: &ExampleSet, p: &HitParams, point: DVec3) -> Result<Nearest, Err
     if off > f64::from(p.max_distance) {
         return Err(too_far(off));
     }
-    let near = match &p.landing {
-        Some(landing) => landing.nearest(set, to_f32(point)),
-        None => set.nearest_vertex(to_f32(point)),
-    }?;
+    let index = p.landing.as_ref().map_or(set.index(), |landing| &landing.index);
+    let near = index.of_point(to_f32(point), set.mesh().positions())?;
     if near.distance > p.max_distance { Err(too_far(near.distance.into())) } else { Ok(near) }
 }
