@@ -9,6 +9,15 @@ use serde_json::{Map, Value, json};
 pub(crate) const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 
+/// A written GLB.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GlbFile {
+    /// The file's bytes.
+    pub glb: Vec<u8>,
+    /// What was odd in the source or could not be kept as it was, and what was done about it: a sentence each, for people.
+    pub notes: Vec<String>,
+}
+
 /// A GLB that is being written: its JSON, and bytes of its binary chunk.
 pub(crate) struct Glb {
     pub root: Value,

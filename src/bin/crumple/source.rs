@@ -6,10 +6,10 @@ use crate::units;
 use crate::vertices::Vertices;
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
-use crumple::export::{self, Exported};
+use crumple::export::{self, GlbFile};
 use crumple::glam::{Mat3, Mat4, Vec3};
 use crumple::import::{self, Imported, MeshChoice, PartKind, Patterns, Reading};
-use crumple::{BasisOptions, ExampleSet, Instance, MeshData, SetOptions, TaskSystem};
+use crumple::{BasisOptions, ExampleSet, Instance, SetOptions, TaskSystem};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -110,15 +110,11 @@ impl Input {
             let set = Arc::new(ExampleSet::load_file(&self.file, tasks).with_context(|| shown.to_string())?);
             let about = Imported {
                 name: self.stem(),
-                mesh: MeshData::default(),
-                examples: Vec::new(),
-                primitives: Vec::new(),
-                parts: Vec::new(),
-                node_transform: None,
                 notes: vec![
                     "a baked set has no materials, texture coordinates or nodes; apply its source file to keep them"
                         .into(),
                 ],
+                ..Imported::default()
             };
             return Ok(Source { set, about, coats: Default::default(), glass: Vec::new(), file: None });
         }
@@ -212,7 +208,7 @@ impl Input {
 
 impl Source {
     /// The file as a GLB, with the mesh replaced by its deformed vertices.
-    pub fn deformed_glb(&self, vertices: &Vertices) -> Result<Exported, crumple::Error> {
+    pub fn deformed_glb(&self, vertices: &Vertices) -> Result<GlbFile, crumple::Error> {
         let Vertices { positions, normals, tangents } = vertices;
         let (normals, tangents) = (normals.as_deref(), tangents.as_deref());
         if let Some(file) = &self.file {
@@ -221,7 +217,7 @@ impl Source {
         }
         let triangles = self.set.mesh().triangles();
         let glb = export::mesh_glb(&self.about.name, triangles, positions, normals, tangents)?;
-        Ok(Exported { glb, notes: Vec::new() })
+        Ok(GlbFile { glb, notes: Vec::new() })
     }
 
     /// Makes hits on glass leave no mark.

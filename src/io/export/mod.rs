@@ -30,7 +30,7 @@ mod rewrite;
 mod targets;
 mod vertices;
 
-pub use vertices::Exported;
+pub use crate::io::glb::GlbFile;
 
 /// Rewrites a glTF (`.glb` or `.gltf`) with the deformed vertices of a mesh, or of a body of nodes.
 ///
@@ -60,7 +60,7 @@ pub fn deformed_glb<'a>(
     positions: &[[f32; 3]],
     normals: Option<&[[f32; 3]]>,
     tangents: Option<&[[f32; 4]]>,
-) -> Result<Exported, Error> {
+) -> Result<GlbFile, Error> {
     rewrite::deformed(source, base_dir, &reading.into(), Vertices { positions, normals, tangents })
 }
 

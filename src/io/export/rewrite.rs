@@ -2,11 +2,11 @@
 
 use super::attributes::{Changes, push_changed};
 use super::targets::Kept;
-use super::vertices::{Exported, Rewrite, Vertices};
+use super::vertices::{Rewrite, Vertices};
 use super::{compact, images, targets};
 use crate::base::error::Error;
 use crate::base::math::Aabb;
-use crate::io::glb::{Glb, remove_within};
+use crate::io::glb::{Glb, GlbFile, remove_within};
 use crate::io::import::Reading;
 use crate::io::import::accessor::Accessor;
 use crate::io::import::body;
@@ -26,7 +26,7 @@ pub(super) fn deformed(
     base_dir: Option<&Path>,
     reading: &Reading<'_>,
     vertices: Vertices<'_>,
-) -> Result<Exported, Error> {
+) -> Result<GlbFile, Error> {
     let doc = Document::parse(source, base_dir)?;
     let Body { pieces, imported } = body::read(&doc, reading)?;
     vertices.check(imported.mesh.positions.len())?;
@@ -53,7 +53,7 @@ pub(super) fn deformed(
     targets::drop(&mut to, &kept);
     images::embed(&mut to);
     let glb = compact::write(&mut to)?;
-    Ok(Exported { glb, notes: to.notes })
+    Ok(GlbFile { glb, notes: to.notes })
 }
 
 /// The mesh that each piece is written to. A mesh that several nodes show is copied for those whose vertices differ; nodes that are no

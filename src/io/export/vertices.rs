@@ -1,18 +1,9 @@
-//! The vertices that an export takes, the file that it rewrites, and what it returns.
+//! The vertices that an export takes, and the file that it rewrites.
 
 use crate::base::error::Error;
 use crate::io::glb::Glb;
 use crate::io::import::document::Document;
 use crate::io::import::finite;
-
-/// A written file.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Exported {
-    /// The GLB's bytes.
-    pub glb: Vec<u8>,
-    /// What could not be kept as it was, such as images that were not found: a sentence each, for people.
-    pub notes: Vec<String>,
-}
 
 /// A file that is being rewritten.
 pub(super) struct Rewrite<'d> {

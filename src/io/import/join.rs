@@ -89,8 +89,7 @@ pub(super) fn joined<'d>(
     let examples = examples(moved, &names, joined, notes);
     let mut mesh = concatenated(meshes)?;
     close_seams(&mut mesh.positions, &pieces);
-    let (name, node_transform, notes) = (String::new(), None, Vec::new());
-    Ok(Body { pieces, imported: Imported { name, mesh, examples, primitives, parts, node_transform, notes } })
+    Ok(Body { pieces, imported: Imported { mesh, examples, primitives, parts, ..Imported::default() } })
 }
 
 /// The pieces by their parts. Each node is a part, unless there are more than a body can have: then the smallest nodes

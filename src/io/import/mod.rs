@@ -97,11 +97,12 @@ pub(crate) mod words;
 pub use self::body::{gltf_file, gltf_slice, gltf_solids};
 pub use self::extras::apply_extras;
 #[cfg(feature = "obj")]
-pub use self::obj::{Converted, obj_files, obj_glb, obj_slices};
+pub use self::obj::{obj_files, obj_glb, obj_slices};
 pub use self::reading::{MeshChoice, Patterns, Reading};
+pub use crate::io::glb::GlbFile;
 
 /// The result of an importer: the arrays of an example set, and their places in the file.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Imported {
     /// The mesh's name; may be empty. For OBJ, and for a body of nodes, the file's stem.
     pub name: String,

@@ -7,22 +7,13 @@ use super::surface::smooth;
 use super::words::quoted;
 use super::{Imported, finite, mtl, uri};
 use crate::base::error::Error;
-use crate::io::glb::{Glb, new_root, set_bounds};
+use crate::io::glb::{Glb, GlbFile, new_root, set_bounds};
 use bytemuck::cast_slice;
 use glam::Vec3;
 use indexmap::{IndexMap, IndexSet};
 use serde_json::{Value, json};
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
-
-/// An OBJ and its examples as a GLB.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Converted {
-    /// The file's bytes. Images stay in other files, relative to the OBJ.
-    pub glb: Vec<u8>,
-    /// What is odd in the files, and what was done about it: a sentence each, for people.
-    pub notes: Vec<String>,
-}
 
 /// Reads a base OBJ and one OBJ per example as one body without parts; see [`obj_glb`].
 ///
@@ -54,7 +45,7 @@ pub fn obj_slices(base: (&str, &[u8]), examples: &[(&str, &[u8])]) -> Result<Imp
     Ok(Imported { name: base.0.to_owned(), ..imported })
 }
 
-fn read(converted: Converted) -> Result<Imported, Error> {
+fn read(converted: GlbFile) -> Result<Imported, Error> {
     let all = Patterns::default();
     let imported = gltf_slice(&converted.glb, None, MeshChoice::Nodes(&all))?;
     Ok(Imported { notes: [converted.notes, imported.notes].concat(), parts: Vec::new(), ..imported })
@@ -66,14 +57,14 @@ fn read(converted: Converted) -> Result<Imported, Error> {
 /// primitive are the distinct (position, texture coordinate, normal) triples of its face corners, in the order in which its faces
 /// first use them. Polygons become triangles: fans where they are convex, else by ear clipping. Without faces, the vertices are the
 /// `v` lines in order. Colours after positions become `COLOR_0`. Materials come from the MTL files that the OBJ names, if they lie
-/// in its folder or below. Without `vn` lines there are normals only for faces of a smoothing group; glTF shows the others flat.
+/// in its folder or below; images stay in other files, relative to the OBJ. Without `vn` lines there are normals only for faces of a smoothing group; glTF shows the others flat.
 ///
 /// An example must have as many `v` lines as the base, in the same order. Only its positions are read. Its name is its file's stem.
 ///
 /// # Errors
 /// [`Error::Io`] if an OBJ cannot be read; [`Error::Format`] and [`Error::NotFinite`], which name the line, if it is malformed;
 /// [`Error::ExampleMismatch`] if an example does not fit the base; [`Error::NoExamples`] if the list is empty.
-pub fn obj_glb(base: &Path, examples: &[PathBuf]) -> Result<Converted, Error> {
+pub fn obj_glb(base: &Path, examples: &[PathBuf]) -> Result<GlbFile, Error> {
     let mut builder = Builder::new(&stem(base), &uri::read(base, None)?)?;
     for path in examples {
         builder.add(&stem(path), &uri::read(path, None)?)?;
@@ -139,7 +130,7 @@ impl Builder {
     }
 
     /// `folder` has the MTL files.
-    fn finish(mut self, folder: Option<&Path>) -> Result<Converted, Error> {
+    fn finish(mut self, folder: Option<&Path>) -> Result<GlbFile, Error> {
         if self.examples.is_empty() {
             return Err(Error::NoExamples {
                 what: format!("'{}' came without example files; give at least one", self.base.name),
@@ -170,7 +161,7 @@ impl Builder {
             let listed = glb.root["scenes"][0]["nodes"].as_array_mut();
             listed.into_iter().for_each(|list| list.extend(top.iter().map(|node| Value::from(*node))));
         }
-        Ok(Converted { glb: glb.finish()?, notes: self.notes })
+        Ok(GlbFile { glb: glb.finish()?, notes: self.notes })
     }
 
     fn objects(&self) -> Objects<'_> {
