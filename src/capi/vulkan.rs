@@ -14,7 +14,7 @@ use super::vulkan_types::{
     CrumpleVulkanOpenDef,
 };
 #[cfg(feature = "vulkan")]
-use crate::vulkan::{RecordJob, SemaphoreId, vk, vk::Handle};
+use crate::vulkan::{Job, SemaphoreId, Target, vk, vk::Handle};
 
 #[unsafe(no_mangle)]
 pub extern "C" fn crumple_vulkan_attach_def_default() -> CrumpleVulkanAttachDef {
@@ -306,7 +306,7 @@ unsafe fn with_device<R>(
     context: &Context,
     state: &mut State,
     given: (*const CrumpleBuffer, u32),
-    f: impl FnOnce(&mut Kind, &mut [RecordJob<'_>]) -> Result<R, Failure>,
+    f: impl FnOnce(&mut Kind, &mut [Job<'_, Target>]) -> Result<R, Failure>,
 ) -> Result<R, Failure> {
     let State { instances, buffers: entries, vulkan, vulkan_jobs, vertex_budget, .. } = state;
     let device = &mut vulkan.as_mut().ok_or_else(not_attached)?.device;

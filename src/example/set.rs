@@ -12,11 +12,11 @@ use crate::base::lists::Lists;
 use crate::basis::field::GROUP;
 use crate::basis::learn::BasisReport;
 use crate::basis::{Rows, TILE};
+use crate::mesh::Mesh;
 use crate::mesh::nearest::{Nearest, VertexIndex};
 use crate::mesh::rim::Rim;
 use crate::mesh::surface::SurfaceIndex;
 use crate::mesh::vertex_blocks::BLOCK;
-use crate::mesh::Mesh;
 use std::sync::{Arc, OnceLock};
 
 /// A base mesh with its examples. It is immutable: the instances of the mesh and threads share it through an `Arc`.

@@ -15,12 +15,12 @@
 //!
 //! The kernels are those of [`crate::vulkan`], and so are the vertices. Classic rules are not supported.
 
-pub use crate::gpu::Target as AnyTarget;
+pub use crate::gpu::{FrameReport, Job, Target as AnyTarget};
 pub use ash::vk::Format;
 
 use crate::base::error::Error;
 use crate::example::set::ExampleSet;
-use crate::gpu::{self, Arena, BindingLimits, Call, FrameReport, Job, Plan, Variant, VertexStream, compiled};
+use crate::gpu::{self, Arena, BindingLimits, Call, Plan, Variant, VertexStream, compiled};
 use std::convert::Infallible;
 use std::sync::Arc;
 
@@ -55,12 +55,6 @@ pub type Stream = VertexStream<Format>;
 
 /// A mesh's vertices in a buffer, and what they show. Drop it to end it.
 pub type Target = gpu::Target<u64, Infallible>;
-
-/// A target to bring up to date.
-pub type GraphJob<'a> = Job<'a, Target>;
-
-/// What a plan does.
-pub type PlanReport = FrameReport;
 
 /// Bytes to copy into a storage before the dispatches.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -157,7 +151,7 @@ impl Graph {
     /// [`Error::InvalidArgument`] for a target of another graph or set; [`Error::WrongRule`] for an instance with a classic
     /// rule; [`Error::Unsupported`] for more than 4 GiB of work. After an error targets hold what they held, and the next
     /// plan has the uploads.
-    pub fn plan(&mut self, jobs: &mut [GraphJob<'_>]) -> Result<(PlanReport, &Passes), Error> {
+    pub fn plan(&mut self, jobs: &mut [Job<'_, Target>]) -> Result<(FrameReport, &Passes), Error> {
         self.plan.check(jobs)?;
         jobs.iter().try_for_each(|job| job.instance.only_marks("a target of a render graph"))?;
         self.free_meshes();

@@ -41,13 +41,12 @@ mod staging;
 mod target;
 mod vulkan_device;
 
-pub use crate::gpu::Target as AnyTarget;
+pub use crate::gpu::{FrameReport, Job, Target as AnyTarget};
 pub use ash::vk;
 pub use device::Device;
 pub use host_buffers::{Access, BufferDef, BufferId};
 pub use import::ImportDef;
 pub use own::{OwnDevice, OwnDeviceDef};
-pub use record::{RecordJob, RecordReport};
 pub use shared::{SemaphoreId, Shared};
 pub use target::{Stream, Target, TargetDef};
 pub use vulkan_device::DeviceDef;

@@ -5,10 +5,11 @@ use super::device::Device;
 use super::functions::failed;
 use super::host_buffers::BufferId;
 use super::own_handles::{OwnHandles, OwnInstance};
-use super::record::{RecordJob, RecordReport};
 use super::shared::{ImportedBuffer, SemaphoreId};
+use super::target::Target;
 use super::vulkan_device::DeviceDef;
 use crate::base::error::Error;
+use crate::gpu::{FrameReport, Job};
 use ash::vk;
 use std::fmt;
 use std::sync::Arc;
@@ -107,10 +108,10 @@ impl OwnDevice {
     /// As [`Device::record`], and [`Error::InvalidArgument`] for an unknown semaphore. After an error nothing was submitted.
     pub fn submit(
         &mut self,
-        jobs: &mut [RecordJob<'_>],
+        jobs: &mut [Job<'_, Target>],
         wait: &[SemaphoreId],
         signal: &[SemaphoreId],
-    ) -> Result<(u64, RecordReport), Error> {
+    ) -> Result<(u64, FrameReport), Error> {
         let wait = self.handles(wait)?;
         let signal = self.handles(signal)?;
         self.poll()?;

@@ -18,12 +18,6 @@ const SHADER_WRITE: vk::AccessFlags = vk::AccessFlags::SHADER_WRITE;
 /// The stage of the kernels.
 const COMPUTE: vk::PipelineStageFlags = vk::PipelineStageFlags::COMPUTE_SHADER;
 
-/// A target to bring up to date.
-pub type RecordJob<'a> = Job<'a, Target>;
-
-/// What was recorded.
-pub type RecordReport = FrameReport;
-
 impl Device {
     /// Records what brings the targets up to date: only the blocks that changed since each was last written. If nothing changed,
     /// nothing is recorded.
@@ -50,8 +44,8 @@ impl Device {
         &mut self,
         commands: vk::CommandBuffer,
         frame: u64,
-        jobs: &mut [RecordJob<'_>],
-    ) -> Result<RecordReport, Error> {
+        jobs: &mut [Job<'_, Target>],
+    ) -> Result<FrameReport, Error> {
         if commands.is_null() {
             return Err(Error::invalid("the VkCommandBuffer", "null", "a valid handle"));
         }
@@ -74,7 +68,7 @@ impl Device {
     }
 
     /// Finds the buffers that another queue family owns.
-    fn find_foreign(&mut self, jobs: &[RecordJob<'_>]) -> Result<(), Error> {
+    fn find_foreign(&mut self, jobs: &[Job<'_, Target>]) -> Result<(), Error> {
         let foreign = &mut self.barriers.foreign;
         foreign.clear();
         for (j, job) in jobs.iter().enumerate() {
@@ -90,7 +84,7 @@ impl Device {
     }
 
     /// Makes the states and pipelines that targets of instances with a classic rule lack.
-    fn add_states(&mut self, jobs: &mut [RecordJob<'_>]) -> Result<(), Error> {
+    fn add_states(&mut self, jobs: &mut [Job<'_, Target>]) -> Result<(), Error> {
         let Device { gpu, pipelines, states, .. } = self;
         Plan::add_states(jobs, &gpu.binding_limits(), |target, bytes| {
             pipelines.add(target.layout.variant(Case::Classic))?;
@@ -123,7 +117,7 @@ impl Device {
         &mut self,
         (commands, frame): (vk::CommandBuffer, u64),
         slot: Option<usize>,
-        jobs: &[RecordJob<'_>],
+        jobs: &[Job<'_, Target>],
     ) -> Result<u64, Error> {
         self.recorded = frame;
         let r = &mut self.barriers;
@@ -205,7 +199,7 @@ impl Device {
         Ok(())
     }
 
-    fn dispatches(&self, commands: vk::CommandBuffer, slot: &FrameSlot, jobs: &[RecordJob<'_>]) -> Result<(), Error> {
+    fn dispatches(&self, commands: vk::CommandBuffer, slot: &FrameSlot, jobs: &[Job<'_, Target>]) -> Result<(), Error> {
         let (device, layout) = (&self.gpu.device, self.pipelines.layout);
         let (mut bound, mut previous) = (None, None);
         for d in &self.plan.dispatches {

@@ -8,12 +8,6 @@ use bytemuck::cast_ref;
 
 const CALL_WORDS: usize = size_of::<Call>() / 4;
 
-/// A target to bring up to date.
-pub type EncodeJob<'a> = Job<'a, Target>;
-
-/// What was encoded.
-pub type EncodeReport = FrameReport;
-
 impl Device {
     /// Encodes what brings the targets up to date: only the blocks that changed since each was last written. If nothing changed,
     /// nothing is encoded. The encoder is of this device; a copy and a compute pass are added to it.
@@ -32,8 +26,8 @@ impl Device {
     pub fn encode(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        jobs: &mut [EncodeJob<'_>],
-    ) -> Result<EncodeReport, Error> {
+        jobs: &mut [Job<'_, Target>],
+    ) -> Result<FrameReport, Error> {
         self.gpu.reported_error()?;
         self.plan.check(jobs)?;
         self.free_meshes();
@@ -65,7 +59,7 @@ impl Device {
     /// # Errors
     /// As [`Device::encode`]. After [`Error::Wgpu`] from the submission (a buffer was destroyed or is mapped), all targets are
     /// written anew next time.
-    pub fn submit(&mut self, jobs: &mut [EncodeJob<'_>]) -> Result<EncodeReport, Error> {
+    pub fn submit(&mut self, jobs: &mut [Job<'_, Target>]) -> Result<FrameReport, Error> {
         let descriptor = wgpu::CommandEncoderDescriptor { label: Some("crumple") };
         let mut encoder =
             self.gpu.checked("making a command encoder", 0, || self.gpu.device.create_command_encoder(&descriptor))?;
@@ -100,7 +94,7 @@ impl Device {
     }
 
     /// Encodes the compute pass. Nothing here fails.
-    fn dispatch(&self, encoder: &mut wgpu::CommandEncoder, jobs: &[EncodeJob<'_>]) {
+    fn dispatch(&self, encoder: &mut wgpu::CommandEncoder, jobs: &[Job<'_, Target>]) {
         let descriptor = wgpu::ComputePassDescriptor { label: Some("crumple"), timestamp_writes: None };
         let mut pass = encoder.begin_compute_pass(&descriptor);
         let mut bound: Option<Variant> = None;

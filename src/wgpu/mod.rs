@@ -39,11 +39,10 @@ mod read;
 mod target;
 mod wgpu_device;
 
-pub use crate::gpu::Target as AnyTarget;
+pub use crate::gpu::{FrameReport, Job, Target as AnyTarget};
 #[cfg(any(windows, target_os = "linux", target_os = "android", target_os = "freebsd"))]
 pub use adopt::VulkanDef;
 pub use device::Device;
-pub use encode::{EncodeJob, EncodeReport};
 pub use headless::{HeadlessDef, adapters};
 pub use target::{Stream, Target, TargetDef};
 /// The crate whose types are used here.

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use crumple::vulkan::vk;
-pub use crumple::vulkan::{Attribute, Encoding, RecordJob as Job, RecordReport as Report, Stream, Target, TargetDef};
+pub use crumple::vulkan::{Attribute, Encoding, FrameReport as Report, Stream, Target, TargetDef};
 use crumple::vulkan::{BufferId, Device, DeviceDef};
 use crumple::{Error, ExampleSet};
 
@@ -15,6 +15,7 @@ use crate::harness::{self, Engine, Seen, Tampered, tampered};
 
 pub type BufferRef<'a> = BufferId;
 pub type Def<'a> = TargetDef;
+pub type Job<'a> = crumple::vulkan::Job<'a, Target>;
 
 pub const HALF_POSITION: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 pub const OCTAHEDRAL: vk::Format = vk::Format::R16G16_UNORM;

@@ -1,7 +1,7 @@
 //! Devices, buffers and recordings that are refused; frames that are not submitted; barriers that validation misses.
 
 use crumple::vulkan::vk;
-use crumple::vulkan::{BufferDef, Device, DeviceDef, RecordJob, RecordReport};
+use crumple::vulkan::{BufferDef, Device, DeviceDef, FrameReport, Job};
 use crumple::{Error, ErrorKind};
 
 use crate::backend;
@@ -107,7 +107,7 @@ fn with_barriers(engine: &Engine, barriers: Option<u32>) -> Vec<String> {
     let mut target = crumple.add_target(&set, &layout.def(id)).unwrap();
     let instance = folded(&set, 5, 1);
     let report = engine.run(|c| {
-        let job = RecordJob { instance: &instance, target: &mut target };
+        let job = Job { instance: &instance, target: &mut target };
         // SAFETY: the command buffer is recording.
         unsafe {
             let report = crumple.record(c, 1, &mut [job]).unwrap();
@@ -116,7 +116,7 @@ fn with_barriers(engine: &Engine, barriers: Option<u32>) -> Vec<String> {
             report
         }
     });
-    assert_ne!(report, RecordReport::default());
+    assert_ne!(report, FrameReport::default());
     crumple.completed(1);
     engine.on.messages()
 }

@@ -1,6 +1,6 @@
 //! Secondary command buffers, other queue families, cached pipelines.
 
-use crumple::vulkan::{BufferDef, Device, RecordJob, vk};
+use crumple::vulkan::{BufferDef, Device, Job, vk};
 
 use crate::backend;
 use crate::gpu::compare::Expected;
@@ -27,7 +27,7 @@ fn buffers_of_other_queue_families_are_taken_and_given_back() {
         let mut target = crumple.add_target(&set, &layout.def(id)).unwrap();
         families();
         for frame in 1..5 {
-            let mut jobs = [RecordJob { instance: &instance, target: &mut target }];
+            let mut jobs = [Job { instance: &instance, target: &mut target }];
             // SAFETY: the command buffer is recording.
             let report = engine.run(|c| unsafe { crumple.record(c, frame, &mut jobs) }).unwrap();
             crumple.completed(frame);

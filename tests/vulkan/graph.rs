@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use ash::vk;
-use crumple::graph::{self, Dispatch, Graph, GraphBuffer, GraphJob, Passes, Target, TargetDef};
+use crumple::graph::{self, Dispatch, Graph, GraphBuffer, Job, Passes, Target, TargetDef};
 use crumple::{Error, Instance, InstanceOptions, Rule};
 
 use crate::backend::Encoding;
@@ -184,8 +184,8 @@ fn a_hosts_render_graph_writes_the_vertices() {
         }
         let mut expected: Vec<Expected> = sizes.iter().map(|size| Expected::poison(*size as usize / 4)).collect();
         for frame in 0..4 {
-            let mut jobs: Vec<GraphJob> =
-                instances.iter().zip(&mut targets).map(|(instance, target)| GraphJob { instance, target }).collect();
+            let mut jobs: Vec<Job<'_, Target>> =
+                instances.iter().zip(&mut targets).map(|(instance, target)| Job { instance, target }).collect();
             let (report, passes) = graph.plan(&mut jobs).unwrap();
             assert_eq!(report.dispatches as usize, passes.dispatches.len());
             assert_eq!(passes.uploads.is_empty(), frame > 0);
@@ -216,13 +216,13 @@ fn a_render_graph_refuses_what_it_cannot_write() {
     assert!(matches!(small, Error::BufferTooSmall { .. }), "{small}");
     let mut target = graph.add_target(&set, &def(&layout, 1, layout.size)).unwrap();
     let classic = Instance::new(set.clone(), InstanceOptions::classic(Rule::MostDisplaced)).unwrap();
-    let refused = graph.plan(&mut [GraphJob { instance: &classic, target: &mut target }]).unwrap_err();
+    let refused = graph.plan(&mut [Job { instance: &classic, target: &mut target }]).unwrap_err();
     assert!(matches!(refused, Error::WrongRule { .. }), "{refused}");
-    let other = Graph::default().plan(&mut [GraphJob { instance: &folded(&set, 1, 1), target: &mut target }]).map(drop);
+    let other = Graph::default().plan(&mut [Job { instance: &folded(&set, 1, 1), target: &mut target }]).map(drop);
     assert!(other.unwrap_err().to_string().contains("another device"));
     // Nothing was lost.
     let instance = folded(&set, 1, 1);
-    let (report, passes) = graph.plan(&mut [GraphJob { instance: &instance, target: &mut target }]).unwrap();
+    let (report, passes) = graph.plan(&mut [Job { instance: &instance, target: &mut target }]).unwrap();
     assert_eq!((report.vertices_written, passes.uploads.len()), (set.vertex_count() as u64, 1));
     assert!(graph::kernel(36).is_none());
 }

@@ -4,7 +4,7 @@
 use std::os::fd::{AsRawFd, FromRawFd, OwnedFd};
 
 use ash::khr;
-use crumple::vulkan::{BufferId, ImportDef, OwnDevice, OwnDeviceDef, RecordJob, SemaphoreId, Shared, vk};
+use crumple::vulkan::{BufferId, ImportDef, OwnDevice, OwnDeviceDef, Job, SemaphoreId, Shared, vk};
 use crumple::{Error, ErrorKind};
 
 use crate::gpu::compare::Expected;
@@ -133,7 +133,7 @@ fn exported_memory_is_written_between_semaphores_or_waits() {
         let mut target = own.device().add_target(&set, &layout.def(id)).unwrap();
         let mut wanted = Expected::poison(exported.seen.words().len());
         let mut write = |own: &mut OwnDevice, waits: &[SemaphoreId], signals: &[SemaphoreId], round| {
-            let jobs = &mut [RecordJob { instance: &instance, target: &mut target }];
+            let jobs = &mut [Job { instance: &instance, target: &mut target }];
             let (frame, _) = own.submit(jobs, waits, signals).unwrap();
             layout.expect(&mut instance, &mut wanted);
             hit(&mut instance, 1, round);

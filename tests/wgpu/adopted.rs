@@ -5,7 +5,7 @@ use std::ffi::CStr;
 use ash::{khr, vk};
 use crumple::ErrorKind::{InvalidArgument, Unsupported};
 use crumple::wgpu::wgpu::BufferUsages;
-use crumple::wgpu::{Device, DeviceDef, EncodeJob, VulkanDef};
+use crumple::wgpu::{Device, DeviceDef, Job, VulkanDef};
 
 use crate::gpu::compare::Expected;
 use crate::gpu::engine::{Engine, Instance, Needs, Seen, on_each_engine};
@@ -86,7 +86,7 @@ fn vertices_go_into_the_engines_own_buffer() {
         let mut instance = folded(&set, 0, 0);
         let mut wanted = Expected::poison(size as usize / 4);
         for frame in 1..5 {
-            crumple.submit(&mut [EncodeJob { instance: &instance, target: &mut target }]).unwrap();
+            crumple.submit(&mut [Job { instance: &instance, target: &mut target }]).unwrap();
             copy(engine, (&seen, &copied));
             layout.expect(&mut instance, &mut wanted);
             wanted.compare(copied.words(), &engine.tested, &format!("frame {frame}"));

@@ -4,9 +4,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use crumple::wgpu::wgpu::{self, VertexFormat};
-pub use crumple::wgpu::{
-    Attribute, EncodeJob as Job, EncodeReport as Report, Encoding, Stream, Target, TargetDef as Def,
-};
+pub use crumple::wgpu::{Attribute, Encoding, FrameReport as Report, Stream, Target, TargetDef as Def};
 use crumple::wgpu::{Device, DeviceDef, HeadlessDef, adapters};
 use crumple::{Error, ExampleSet};
 
@@ -15,6 +13,7 @@ use crate::gpu::compare::{POISON, TestedDevice, note_missing};
 use crate::gpu::layout::TestLayout;
 
 pub type BufferRef<'a> = &'a wgpu::Buffer;
+pub type Job<'a> = crumple::wgpu::Job<'a, Target>;
 
 pub const HALF_POSITION: VertexFormat = VertexFormat::Float16x4;
 pub const OCTAHEDRAL: VertexFormat = VertexFormat::Unorm16x2;

@@ -14,7 +14,7 @@ use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy::render::{Render, RenderApp, RenderSystems};
 use crumple::Instance;
 use crumple::vulkan::vk::{AccessFlags, BufferUsageFlags, Format, PipelineStageFlags};
-use crumple::vulkan::{Access, BufferDef, BufferId, Device, DeviceDef, RecordJob, Stream, Target, TargetDef, vk};
+use crumple::vulkan::{Access, BufferDef, BufferId, Device, DeviceDef, Job, Stream, Target, TargetDef, vk};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use wgpu::hal::api::Vulkan;
@@ -162,7 +162,7 @@ fn record(
     let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor { label: Some("crumple") });
     recorder.frame += 1;
     let (frame, crumple) = (recorder.frame, &mut recorder.crumple);
-    let mut jobs = [RecordJob { instance: &instance, target: &mut place.target }];
+    let mut jobs = [Job { instance: &instance, target: &mut place.target }];
     // SAFETY: nothing else is encoded; the command buffer is recording, outside a pass, of this device's family.
     let report = unsafe {
         encoder.as_hal_mut::<Vulkan, _, _>(|hal| {

@@ -2,7 +2,7 @@
 
 use crate::node::CrumpleMeshInstance3D;
 use crate::tasks;
-use crumple::graph::{self, Format, Graph, GraphBuffer, GraphJob, Passes, Stream, Target, TargetDef};
+use crumple::graph::{self, Format, Graph, GraphBuffer, Job, Passes, Stream, Target, TargetDef};
 use crumple::{Attribute, DeformJob, Encoding, ExampleSet, Tracker, VertexMemory};
 use godot::classes::rendering_device::{ShaderStage, UniformType};
 use godot::classes::{RdShaderSpirv, RdUniform, RenderingDevice, RenderingServer};
@@ -176,7 +176,7 @@ impl CrumpleComputeWriter {
             .iter()
             .zip(&mut self.targets)
             .filter_map(|(body, entry)| {
-                Some(GraphJob { instance: &body.as_ref()?.instance, target: &mut entry.target })
+                Some(Job { instance: &body.as_ref()?.instance, target: &mut entry.target })
             })
             .collect();
         let (report, passes) = self.graph.plan(&mut jobs).map_err(|error| error.to_string())?;

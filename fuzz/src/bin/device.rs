@@ -6,7 +6,7 @@ use std::cell::RefCell;
 use arbitrary::Unstructured;
 use compare::Expected;
 use crumple::ExampleSet;
-use crumple::vulkan::{Access, BufferDef, BufferId, Device, DeviceDef, RecordJob, vk};
+use crumple::vulkan::{Access, BufferDef, BufferId, Device, DeviceDef, Job, vk};
 use crumple_fuzz::{scene, seeds, target};
 use engine::{Engine, Needs, Seen};
 use layout::TestLayout;
@@ -106,7 +106,7 @@ fn play(bytes: &mut Unstructured<'_>, gpu: &mut Gpu) {
         let mut expected = Expected::poison(SIZE as usize / 4);
         layout.expect(body, &mut expected);
         gpu.frame += 1;
-        let jobs = &mut [RecordJob { instance: body, target }];
+        let jobs = &mut [Job { instance: body, target }];
         // SAFETY: the command buffer is recording.
         gpu.engine.run(|commands| unsafe { gpu.crumple.record(commands, gpu.frame, jobs) }).expect("recorded");
         gpu.crumple.completed(gpu.frame);

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 use ash::vk;
-use crumple::vulkan::{Device, RecordJob, RecordReport, Stream, Target, TargetDef};
+use crumple::vulkan::{Device, FrameReport, Job, Stream, Target, TargetDef};
 use crumple::{DeformJob, ExampleSet, Instance, TaskSystem, Tracker, VertexMemory, deform};
 
 use super::buffer::Buffer;
@@ -39,7 +39,7 @@ pub struct Cost {
     pub record: Duration,
     /// Of what was recorded, on the device.
     pub device: Duration,
-    pub report: RecordReport,
+    pub report: FrameReport,
 }
 
 pub struct Recorded<'g> {
@@ -104,12 +104,8 @@ impl<'g> Recorded<'g> {
     /// Brings all vertices up to date, and waits.
     pub fn frame(&mut self) -> Result<Cost> {
         self.frame += 1;
-        let mut jobs: Vec<RecordJob<'_>> = self
-            .instances
-            .iter()
-            .zip(&mut self.targets)
-            .map(|(instance, target)| RecordJob { instance, target })
-            .collect();
+        let mut jobs: Vec<Job<'_, Target>> =
+            self.instances.iter().zip(&mut self.targets).map(|(instance, target)| Job { instance, target }).collect();
         let commands = self.gpu.begin()?;
         let start = Instant::now();
         // SAFETY: the command buffer is recording, and submitted below.

@@ -79,7 +79,7 @@ fn on_gpu(_: &Instance, _: &str, _: &mut Vertices) -> Result<(String, Duration)>
 #[cfg(feature = "wgpu")]
 fn on_gpu(instance: &Instance, adapter: &str, to: &mut Vertices) -> Result<(String, Duration)> {
     use crumple::wgpu::wgpu::{BufferDescriptor, BufferUsages, PollType, VertexFormat};
-    use crumple::wgpu::{Device, EncodeJob, HeadlessDef, Stream, TargetDef};
+    use crumple::wgpu::{Device, HeadlessDef, Job, Stream, TargetDef};
     let set = instance.example_set();
     let wanted = Some(adapter).filter(|name| !name.is_empty());
     let mut device = Device::headless(&HeadlessDef { adapter: wanted, ..HeadlessDef::default() })?;
@@ -107,7 +107,7 @@ fn on_gpu(instance: &Instance, adapter: &str, to: &mut Vertices) -> Result<(Stri
     let def = TargetDef { positions: positions.unwrap_or(all.positions), normals, tangents, ..all };
     let start = std::time::Instant::now();
     let mut target = device.add_target(set, &def)?;
-    device.submit(&mut [EncodeJob { instance, target: &mut target }])?;
+    device.submit(&mut [Job { instance, target: &mut target }])?;
     device.device().poll(PollType::wait_indefinitely())?;
     let time = start.elapsed();
     device.read_vertices(set, &target, &mut to.memory()?)?;
