@@ -54,7 +54,7 @@ fn each_node_is_a_part_where_the_node_places_it() {
     assert_eq!(names, ["hood", "Turned", "mirrored"]);
     let corners = [[0.1, 1.1, 1.1, 0.1], [1.1, 2.1, 2.1, 1.1], [0.1, -0.9, -0.9, 0.1]];
     for (part, corners) in body.parts.iter().zip(corners) {
-        let own = &body.mesh.positions[part.vertices()];
+        let own = &body.mesh.positions[part.vertices.clone()];
         let mut xs: Vec<f32> = own.iter().map(|p| p[0]).collect();
         xs.sort_by(f32::total_cmp);
         let mut expected = corners;
@@ -145,8 +145,8 @@ fn nodes_are_chosen_by_patterns_of_their_names_and_those_above() {
 /// The kinds of the parts, and the stiffness of the first vertex of each.
 fn kinds(glb: &Glb, reading: Reading<'_>) -> Vec<(String, PartKind, f32)> {
     let body = gltf_slice(&glb.bytes(), None, reading).unwrap();
-    let stiffness = |v: u32| body.mesh.stiffness.as_ref().map_or(0.0, |s| s[v as usize]);
-    body.parts.iter().map(|p| (p.name.clone(), p.kind, stiffness(p.first_vertex))).collect()
+    let stiffness = |v: usize| body.mesh.stiffness.as_ref().map_or(0.0, |s| s[v]);
+    body.parts.iter().map(|p| (p.name.clone(), p.kind, stiffness(p.vertices.start))).collect()
 }
 
 #[test]
@@ -241,5 +241,5 @@ fn parts_with_all_vertices_at_one_place_and_many_targets_are_joined_in_linear_ti
     glb.json["nodes"] = json!([{ "mesh": 0 }, { "mesh": 2 }, { "mesh": 2 }, { "mesh": 3 }]);
     let body = join(&glb, &[]).unwrap();
     assert_eq!((body.parts.len(), body.examples.len()), (4, 2 + MANY));
-    assert_eq!(body.mesh.positions[body.parts[2].vertices()], vec![[0.0; 3]; MANY]);
+    assert_eq!(body.mesh.positions[body.parts[2].vertices.clone()], vec![[0.0; 3]; MANY]);
 }

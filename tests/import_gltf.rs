@@ -78,16 +78,12 @@ fn two_materials_become_two_ranges_of_one_mesh() {
         assert_eq!(plate.mesh.triangles.len(), 128);
         assert_eq!(plate.mesh.normals.as_ref().map(Vec::len), Some(90));
         assert_eq!(plate.mesh.tangents, None);
-        let ranges: Vec<_> = plate
-            .primitives
-            .iter()
-            .map(|p| (p.first_vertex, p.vertex_count, p.first_triangle, p.triangle_count, p.material.as_deref()))
-            .collect();
-        assert_eq!(ranges, [(0, 45, 0, 64, Some("Paint, red")), (45, 45, 64, 64, Some("Rubber"))]);
+        let ranges: Vec<_> =
+            plate.primitives.iter().map(|p| (p.vertices.clone(), p.triangles.clone(), p.material.as_deref())).collect();
+        assert_eq!(ranges, [(0..45, 0..64, Some("Paint, red")), (45..90, 64..128, Some("Rubber"))]);
         for range in &plate.primitives {
-            let own = range.first_vertex..range.first_vertex + range.vertex_count;
-            let triangles = &plate.mesh.triangles[range.first_triangle as usize..][..range.triangle_count as usize];
-            assert!(triangles.as_flattened().iter().all(|v| own.contains(v)));
+            let triangles = &plate.mesh.triangles[range.triangles.clone()];
+            assert!(triangles.as_flattened().iter().all(|v| range.vertices.contains(&(*v as usize))));
         }
         assert_eq!(assert_watertight(&plate), 9, "the border between the materials");
     }
@@ -280,9 +276,8 @@ fn primitives_that_share_accessors_share_vertices() {
     list[2]["targets"][0]["POSITION"] = 5.into();
     let imported = read(&glb);
     assert_eq!(imported.mesh.positions.len(), 8);
-    let firsts: Vec<_> =
-        imported.primitives.iter().map(|p| (p.first_vertex, p.vertex_count, p.first_triangle)).collect();
-    assert_eq!(firsts, [(0, 4, 0), (0, 4, 2), (4, 4, 3)]);
+    let firsts: Vec<_> = imported.primitives.iter().map(|p| (p.vertices.clone(), p.triangles.start)).collect();
+    assert_eq!(firsts, [(0..4, 0), (0..4, 2), (4..8, 3)]);
     assert_eq!(imported.mesh.triangles[2], [0, 1, 2]);
     assert_eq!(sparse(&imported.examples[0].positions).0, [0, 2, 5, 7]);
 }

@@ -42,7 +42,7 @@ fn blenders_plate() {
     let texcoords = texcoords(&glb);
     assert_eq!(texcoords.len(), 25);
     assert!(plate.mesh.normals.as_ref().unwrap().iter().all(|n| *n == [0.0, 1.0, 0.0]));
-    assert_eq!(plate.primitives[0].triangle_count, 32);
+    assert_eq!(plate.primitives[0].triangles.len(), 32);
     let (indices, values) = sparse(&plate);
     let mut deltas = vec![[0.0; 3]; 25];
     indices.iter().zip(values).for_each(|(i, d)| deltas[*i as usize] = *d);

@@ -90,7 +90,7 @@ impl Model {
         let (coats, coat_of) = coats(&bytes, &imported.primitives, imported.mesh.positions.len());
         let coat = |material: &str| {
             let range = imported.primitives.iter().find(|range| range.material.as_deref() == Some(material));
-            range.map(|range| coat_of[range.first_vertex as usize] as usize)
+            range.map(|range| coat_of[range.vertices.start] as usize)
         };
         let paint = coat("paint").context("the car has no paint")?;
         let roof = coat("paint_second").context("the roof has no paint")?;
@@ -98,7 +98,7 @@ impl Model {
         let options = SetOptions { basis: Some(BasisOptions::new(TOLERANCE)), ..SetOptions::default() };
         let set = ExampleSet::build(imported.mesh, imported.examples, options, pool)?;
         let wheel = |(part, of): (usize, &Part)| -> Result<Wheel> {
-            let Aabb { min, max } = Aabb::of(&set.mesh().positions()[of.vertices()]);
+            let Aabb { min, max } = Aabb::of(&set.mesh().positions()[of.vertices.clone()]);
             let centre = (min + max) * 0.5;
             // What holds it is the chassis in its middle.
             let mount = set.attach((centre * Vec3::new(0.5, 1.0, 1.0)).to_array())?;
@@ -119,7 +119,7 @@ impl Model {
     /// Adds a level of detail with cells of this size, m.
     pub fn add_level(&mut self, cell: f32, pool: &ThreadPool) -> Result<()> {
         let (mesh, base) = (self.set.mesh(), &self.levels[0]);
-        let part_of = |v: u32| base.parts.partition_point(|part| part.first_vertex <= v) - 1;
+        let part_of = |v: u32| base.parts.partition_point(|part| part.vertices.start <= v as usize) - 1;
         // Wheels turn, so they share no place with the body. What shares one has a normal and a coat of its own.
         let solid = |v: u32| Some(part_of(v)).filter(|part| is_wheel(&base.parts[*part]));
         let normals = mesh.normals().context("the car has no normals")?;
@@ -134,18 +134,12 @@ impl Model {
             ..MeshData::default()
         };
         let (coarse, from) = clustered_by(&whole, cell, solid, kind, outside);
-        let first = |v: u32| from.partition_point(|of| *of < v) as u32;
-        let triangle = |v: u32| coarse.triangles.partition_point(|t| t[0] < v) as u32;
+        let first = |v: usize| from.partition_point(|of| (*of as usize) < v);
+        let triangle = |v: usize| coarse.triangles.partition_point(|t| (t[0] as usize) < v);
         let part = |part: &Part| {
-            let (start, end) = (first(part.first_vertex), first(part.first_vertex + part.vertex_count));
-            let (first_triangle, end_triangle) = (triangle(start), triangle(end));
-            Part {
-                first_vertex: start,
-                vertex_count: end - start,
-                first_triangle,
-                triangle_count: end_triangle - first_triangle,
-                ..part.clone()
-            }
+            let vertices = first(part.vertices.start)..first(part.vertices.end);
+            let triangles = triangle(vertices.start)..triangle(vertices.end);
+            Part { vertices, triangles, ..part.clone() }
         };
         let level = Level {
             parts: base.parts.iter().map(part).collect(),
@@ -175,7 +169,7 @@ fn is_wheel(part: &Part) -> bool {
 /// The convex hulls of the lower body and of the greenhouse.
 fn hulls(set: &ExampleSet, parts: &[Part], of: impl Fn(Vec<Vec3>) -> Vec<Vec3>) -> Result<[ColliderBuilder; 2]> {
     let own = |part: &&Part| !["wheel_", "mirror_", "antenna"].iter().any(|start| part.name.starts_with(start));
-    let points = parts.iter().filter(own).flat_map(|part| &set.mesh().positions()[part.vertices()]);
+    let points = parts.iter().filter(own).flat_map(|part| &set.mesh().positions()[part.vertices.clone()]);
     let (upper, lower): (Vec<Vec3>, Vec<Vec3>) = points.partition(|p| p.y > BELT);
     let hull = |points: Vec<Vec3>| {
         let points: Vec<Vector> = of(points).iter().map(vector).collect();
@@ -327,15 +321,15 @@ impl Shown {
         let Dented { positions, normals, .. } = dented;
         let Level { parts, coat_of } = &model.levels[lod];
         let (part, first) = (&parts[part], self.positions.len() as u32);
-        let own = part.vertices();
+        let own = part.vertices.clone();
         self.positions.extend(positions[own.clone()].iter().map(|p| at.transform_point3(Vec3::from_array(*p))));
         self.normals.extend(normals[own.clone()].iter().map(|n| at.transform_vector3(Vec3::from_array(*n))));
         self.coat_of.extend(coat_of[own].iter().map(|of| coat(*of)));
         let triangles = model.set.lod_mesh(lod)?.triangles();
-        let panes: Vec<_> = parts.iter().filter(|p| p.kind == PartKind::Glass).map(Part::triangles).collect();
+        let panes: Vec<_> = parts.iter().filter(|p| p.kind == PartKind::Glass).map(|pane| &pane.triangles).collect();
         let is_pane = |t: &usize| part.kind != PartKind::Glass && panes.iter().any(|pane| pane.contains(t));
-        let own = part.triangles().filter(|t| !is_pane(t));
-        self.triangles.extend(own.map(|t| triangles[t].map(|v| v - part.first_vertex + first)));
+        let own = part.triangles.clone().filter(|t| !is_pane(t));
+        self.triangles.extend(own.map(|t| triangles[t].map(|v| v - part.vertices.start as u32 + first)));
         Ok(())
     }
 

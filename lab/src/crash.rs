@@ -96,7 +96,7 @@ impl Model {
 
     /// The vertices of a part before the crash.
     fn at_rest(&self, part: usize) -> &[Vec3] {
-        &self.car.set.mesh().positions()[self.car.levels[0].parts[part].vertices()]
+        &self.car.set.mesh().positions()[self.car.levels[0].parts[part].vertices.clone()]
     }
 
     /// Whether a pane looks ahead or back.
@@ -107,7 +107,7 @@ impl Model {
 
     /// Where the vertex of a part was that has moved furthest.
     fn most_moved(&self, part: usize, dented: &Dented) -> Option<Vec3> {
-        let now = &dented.positions[self.car.levels[0].parts[part].vertices()];
+        let now = &dented.positions[self.car.levels[0].parts[part].vertices.clone()];
         let moved = |(was, now): (&Vec3, &[f32; 3])| (*was, was.distance(Vec3::from(*now)));
         let all = self.at_rest(part).iter().zip(now).map(moved);
         all.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(was, _)| was)
@@ -247,7 +247,8 @@ impl Bumper {
     fn of(car: &mut Dented, model: &Model, world: &mut PhysicsWorld) -> Result<Self> {
         let instance = car.instance.release(model.bumper.0)?;
         let Dented { positions, normals, .. } = &*car;
-        let own = positions[model.car.levels[0].parts[model.bumper.1].vertices()].iter().map(|p| Vec3::from_array(*p));
+        let own =
+            positions[model.car.levels[0].parts[model.bumper.1].vertices.clone()].iter().map(|p| Vec3::from_array(*p));
         let Aabb { min, max } = Aabb::of(&own.collect::<Vec<_>>());
         let (centre, half) = ((min + max) * 0.5, (max - min) * 0.5);
         let place = pose(world, car.body);

@@ -287,7 +287,7 @@ impl<'a> Scene<'a> {
             let at_rest = model.set.lod_mesh(*lod)?.positions();
             for (i, part) in model.levels[*lod].parts.iter().enumerate() {
                 let off = |v: usize| at_rest[v].distance(Vec3::from(car.dented.positions[v]));
-                let is_broken = part.kind == PartKind::Glass && part.vertices().any(|v| off(v) > GLASS_HOLDS);
+                let is_broken = part.kind == PartKind::Glass && part.vertices.clone().any(|v| off(v) > GLASS_HOLDS);
                 let coat = |coat: f32| match coat as usize {
                     _ if is_broken => crazed,
                     of if [model.paint, model.roof].contains(&of) => own,

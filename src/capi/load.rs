@@ -187,10 +187,10 @@ unsafe fn add_imported(
     };
     let primitives = imported.primitives.iter().map(|p| CrumplePrimitive {
         material: p.material.as_deref().map_or(std::ptr::null(), &mut text),
-        first_vertex: p.first_vertex,
-        vertex_count: p.vertex_count,
-        first_triangle: p.first_triangle,
-        triangle_count: p.triangle_count,
+        first_vertex: p.vertices.start as u32,
+        vertex_count: p.vertices.len() as u32,
+        first_triangle: p.triangles.start as u32,
+        triangle_count: p.triangles.len() as u32,
         reserved: [0; 2],
     });
     entry.primitives = primitives.collect();
@@ -201,10 +201,10 @@ unsafe fn add_imported(
             PartKind::Rigid => CrumplePartKind::Rigid,
             PartKind::Glass => CrumplePartKind::Glass,
         },
-        first_vertex: p.first_vertex,
-        vertex_count: p.vertex_count,
-        first_triangle: p.first_triangle,
-        triangle_count: p.triangle_count,
+        first_vertex: p.vertices.start as u32,
+        vertex_count: p.vertices.len() as u32,
+        first_triangle: p.triangles.start as u32,
+        triangle_count: p.triangles.len() as u32,
         reserved: [0; 3],
     });
     entry.parts = parts.collect();

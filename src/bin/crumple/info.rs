@@ -81,7 +81,7 @@ pub fn parts(text: &mut String, parts: &[Part]) -> Result<()> {
             PartKind::Rigid => ", rigid",
             PartKind::Glass => ", glass",
         };
-        let (name, vertices) = (plain(&part.name), vertices(part.vertex_count as usize));
+        let (name, vertices) = (plain(&part.name), vertices(part.vertices.len()));
         writeln!(text, "  part {:<4} {name}: {vertices}{kind}", i + 1)?;
     }
     Ok(())

@@ -5,7 +5,7 @@ use super::nodes::Nodes;
 use super::piece::{Body, Piece};
 use super::surface::{perpendicular, smooth};
 use super::words::cut;
-use super::{Imported, Part, PartKind, PrimitiveRange, unsupported, whole};
+use super::{Imported, Part, PartKind, unsupported, whole};
 use crate::base::error::Error;
 use crate::base::math::Aabb;
 use crate::example::data::{Contact, Deltas, ExampleData};
@@ -53,8 +53,8 @@ pub(super) fn joined<'d>(
                 let range = primitive.range(doc, next)?;
                 if *kind == PartKind::Glass && (piece.kind != PartKind::Glass || group.name.is_none()) {
                     let name = range.material.clone().unwrap_or_else(|| primitive.name.clone());
-                    let PrimitiveRange { first_vertex, vertex_count, first_triangle, triangle_count, .. } = range;
-                    glass.push(Part { name, kind: *kind, first_vertex, vertex_count, first_triangle, triangle_count });
+                    let (vertices, triangles) = (range.vertices.clone(), range.triangles.clone());
+                    glass.push(Part { name, kind: *kind, vertices, triangles });
                 }
                 primitives.push(range);
             }
@@ -67,10 +67,8 @@ pub(super) fn joined<'d>(
         parts.extend(group.name.map(|name| Part {
             name,
             kind: group.kind,
-            first_vertex: first.0 as u32,
-            vertex_count: (next.0 - first.0) as u32,
-            first_triangle: first.1 as u32,
-            triangle_count: (next.1 - first.1) as u32,
+            vertices: first.0..next.0,
+            triangles: first.1..next.1,
         }));
     }
     parts.append(&mut glass);

@@ -127,14 +127,10 @@ pub struct Imported {
 pub struct PrimitiveRange {
     /// Its index among the primitives of the file's mesh.
     pub primitive: u32,
-    /// Its first vertex.
-    pub first_vertex: u32,
-    /// The number of its vertices.
-    pub vertex_count: u32,
-    /// Its first triangle. Triangles refer to joined vertices.
-    pub first_triangle: u32,
-    /// The number of its triangles.
-    pub triangle_count: u32,
+    /// The indices of its vertices.
+    pub vertices: Range<usize>,
+    /// The indices of its triangles, which refer to joined vertices.
+    pub triangles: Range<usize>,
     /// The name of its material (`material N` if it has no name); `None` without a material.
     pub material: Option<String>,
 }
@@ -147,14 +143,10 @@ pub struct Part {
     pub name: String,
     /// What it does when it is hit.
     pub kind: PartKind,
-    /// Its first vertex.
-    pub first_vertex: u32,
-    /// The number of its vertices.
-    pub vertex_count: u32,
-    /// Its first triangle. Triangles refer to joined vertices.
-    pub first_triangle: u32,
-    /// The number of its triangles.
-    pub triangle_count: u32,
+    /// The indices of its vertices.
+    pub vertices: Range<usize>,
+    /// The indices of its triangles, which refer to joined vertices.
+    pub triangles: Range<usize>,
 }
 
 /// What a part does when it is hit; see [`Reading`].
@@ -170,30 +162,18 @@ pub enum PartKind {
     Glass,
 }
 
-impl Part {
-    /// The indices of its vertices in the joined mesh.
-    pub fn vertices(&self) -> Range<usize> {
-        self.first_vertex as usize..(self.first_vertex + self.vertex_count) as usize
-    }
-
-    /// The indices of its triangles in the joined mesh.
-    pub fn triangles(&self) -> Range<usize> {
-        self.first_triangle as usize..(self.first_triangle + self.triangle_count) as usize
-    }
-}
-
 impl Imported {
     /// Returns the mesh of each part, for [`ExampleSet::add_lod`](crate::ExampleSet::add_lod) in this order: part 0 gets the
     /// number 1. Limits and stiffness are left out; they are the joined mesh's.
     pub fn part_meshes(&self) -> Vec<MeshData> {
         let mesh = |part: &Part| {
-            let own = part.vertices();
-            let triangles = &self.mesh.triangles[part.triangles()];
+            let (own, first) = (part.vertices.clone(), part.vertices.start as u32);
+            let triangles = &self.mesh.triangles[part.triangles.clone()];
             MeshData {
                 positions: self.mesh.positions[own.clone()].to_vec(),
                 normals: self.mesh.normals.as_ref().map(|normals| normals[own.clone()].to_vec()),
                 tangents: self.mesh.tangents.as_ref().map(|tangents| tangents[own].to_vec()),
-                triangles: triangles.iter().map(|t| t.map(|v| v - part.first_vertex)).collect(),
+                triangles: triangles.iter().map(|t| t.map(|v| v - first)).collect(),
                 ..MeshData::default()
             }
         };

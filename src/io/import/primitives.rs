@@ -110,12 +110,11 @@ impl Primitive<'_> {
         });
         // Any number of primitives may have one material.
         doc.budget.charge(material.as_ref().map_or(0, String::len), 1, &format!("the material of {}", self.name))?;
+        let (vertices, triangles) = (first.0 + self.first_vertex, first.1 + self.first_triangle);
         Ok(PrimitiveRange {
             primitive: self.index as u32,
-            first_vertex: (first.0 + self.first_vertex) as u32,
-            vertex_count: self.vertex_count as u32,
-            first_triangle: (first.1 + self.first_triangle) as u32,
-            triangle_count: self.triangles.len() as u32,
+            vertices: vertices..vertices + self.vertex_count,
+            triangles: triangles..triangles + self.triangles.len(),
             material,
         })
     }

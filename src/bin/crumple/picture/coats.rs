@@ -34,8 +34,7 @@ pub fn coats(file: &[u8], primitives: &[PrimitiveRange], vertices: usize) -> (Ve
     let mut coat_of = vec![materials.len() as f32; vertices];
     for range in primitives {
         let named = materials.iter().position(|material| material["name"].as_str() == range.material.as_deref());
-        let first = range.first_vertex as usize;
-        let of = coat_of.get_mut(first..first + range.vertex_count as usize).unwrap_or_default();
+        let of = coat_of.get_mut(range.vertices.clone()).unwrap_or_default();
         of.fill(named.unwrap_or(materials.len()) as f32);
     }
     (coats, coat_of)
