@@ -23,10 +23,10 @@ const FIXTURES: [(&str, usize); 9] = [
 ];
 
 /// The bytes of an export that has nothing to note.
-fn deformed_glb<'a>(
+fn deformed_glb(
     source: &[u8],
     folder: Option<&Path>,
-    reading: impl Into<Reading<'a>>,
+    reading: impl Into<Reading>,
     positions: &[[f32; 3]],
     normals: Option<&[[f32; 3]]>,
     tangents: Option<&[[f32; 4]]>,

@@ -36,7 +36,7 @@ fn three() -> Glb {
 }
 
 fn join(glb: &Glb, nodes: &[&str]) -> Result<Imported, crumple::Error> {
-    gltf_slice(&glb.bytes(), None, MeshChoice::Nodes(&Patterns::new(nodes)))
+    gltf_slice(&glb.bytes(), None, MeshChoice::Nodes(Patterns::new(nodes)))
 }
 
 fn body() -> Imported {
@@ -117,7 +117,7 @@ fn what_cannot_be_a_body_is_refused_by_name() {
         glb.json["meshes"][mesh]["extras"] = json!(null);
     }
     assert!(error(&glb).contains("morph targets"), "{}", error(&glb));
-    assert!(gltf_file("none.glb".as_ref(), MeshChoice::Nodes(&Patterns::default())).is_err());
+    assert!(gltf_file("none.glb".as_ref(), MeshChoice::Nodes(Patterns::default())).is_err());
 }
 
 #[test]
@@ -143,7 +143,7 @@ fn nodes_are_chosen_by_patterns_of_their_names_and_those_above() {
 }
 
 /// The kinds of the parts, and the stiffness of the first vertex of each.
-fn kinds(glb: &Glb, reading: Reading<'_>) -> Vec<(String, PartKind, f32)> {
+fn kinds(glb: &Glb, reading: Reading) -> Vec<(String, PartKind, f32)> {
     let body = gltf_slice(&glb.bytes(), None, reading).unwrap();
     let stiffness = |v: usize| body.mesh.stiffness.as_ref().map_or(0.0, |s| s[v]);
     body.parts.iter().map(|p| (p.name.clone(), p.kind, stiffness(p.vertices.start))).collect()
@@ -152,12 +152,11 @@ fn kinds(glb: &Glb, reading: Reading<'_>) -> Vec<(String, PartKind, f32)> {
 #[test]
 fn what_is_rigid_glass_or_moves_is_said_by_patterns_and_by_extras() {
     use PartKind::{Dents, Glass, Rigid};
-    let all = Patterns::default();
     let reading = |rigid: &[&str], glass: &[&str], moving: &[&str]| Reading {
         rigid: Patterns::new(rigid),
         glass: Patterns::new(glass),
         moving: Patterns::new(moving),
-        ..MeshChoice::Nodes(&all).into()
+        ..MeshChoice::Nodes(Patterns::default()).into()
     };
     let part = |name: &str, kind: PartKind| (name.to_owned(), kind, if kind == Rigid { 1.0 } else { 0.0 });
     let mut glb = three();

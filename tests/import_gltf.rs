@@ -140,7 +140,7 @@ fn uv_seams_hard_edges_and_odd_keys() {
 #[test]
 fn the_world_matrix_is_the_product_of_the_parents() {
     let path = fixture("nodes.glb");
-    let panel = gltf_file(&path, MeshChoice::Name("Panel")).unwrap();
+    let panel = gltf_file(&path, MeshChoice::Name("Panel".into())).unwrap();
     let columns = panel.node_transform.unwrap();
     let world = |p: [f32; 3]| -> [f32; 3] {
         std::array::from_fn(|r| (0..3).map(|c| columns[c][r] * p[c]).sum::<f32>() + columns[3][r])

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::{Context, Result};
-use crumple::import::{MeshChoice, Part, PartKind, Patterns, Reading, gltf_slice};
+use crumple::import::{MeshChoice, Part, PartKind, Patterns, gltf_slice};
 use crumple::{
     Aabb, Attachment, BasisOptions, ExampleSet, Instance, InstanceOptions, MeshData, SetOptions, ThreadPool, Tracker,
     VertexMemory,
@@ -84,8 +84,7 @@ impl Model {
     /// The car, and the meshes of its parts.
     pub fn load(pool: &ThreadPool) -> Result<(Self, Vec<MeshData>)> {
         let bytes = fs::read(CAR).with_context(|| format!("reading {CAR}"))?;
-        let all = Patterns::default();
-        let imported = gltf_slice(&bytes, None, Reading { mesh: MeshChoice::Nodes(&all), ..Reading::default() })?;
+        let imported = gltf_slice(&bytes, None, MeshChoice::Nodes(Patterns::default()))?;
         let (meshes, parts) = (imported.part_meshes(), imported.parts);
         let (coats, coat_of) = coats(&bytes, &imported.primitives, imported.mesh.positions.len());
         let coat = |material: &str| {

@@ -86,8 +86,7 @@ pub unsafe extern "C" fn crumple_example_set_load_gltf(
     built_with!("gltf", exclusive, "crumple_example_set_load_gltf", context, |context, state| {
         let (def, out) = (self::def(def, "def")?, Out::new(out_set, "out_set")?);
         let path = required_string(def.path, "def.path")?;
-        let nodes = patterns(def.nodes, "def.nodes")?;
-        let imported = import::gltf_file(path.as_ref(), reading(&def, &nodes)?)?;
+        let imported = import::gltf_file(path.as_ref(), reading(&def)?)?;
         add_imported(context, state, imported, &def.options, out)
     })
 }
@@ -104,9 +103,8 @@ pub unsafe extern "C" fn crumple_example_set_load_gltf_memory(
     built_with!("gltf", exclusive, "crumple_example_set_load_gltf_memory", context, |context, state| {
         let (def, out) = (self::def(def, "def")?, Out::new(out_set, "out_set")?);
         let bytes = array(data.cast::<u8>(), size, "data")?;
-        let nodes = patterns(def.nodes, "def.nodes")?;
         let folder = string(def.path, "def.path")?.map(Path::new);
-        let imported = import::gltf_slice(bytes, folder, reading(&def, &nodes)?)?;
+        let imported = import::gltf_slice(bytes, folder, reading(&def)?)?;
         add_imported(context, state, imported, &def.options, out)
     })
 }
@@ -146,11 +144,12 @@ unsafe fn patterns(text: *const c_char, name: &str) -> Result<Patterns, Failure>
 }
 
 #[cfg(feature = "gltf")]
-unsafe fn reading<'d>(def: &'d CrumpleGltfDef, nodes: &'d Patterns) -> Result<Reading<'d>, Failure> {
+unsafe fn reading(def: &CrumpleGltfDef) -> Result<Reading, Failure> {
+    let nodes = patterns(def.nodes, "def.nodes")?;
     Ok(Reading {
         mesh: match (string(def.mesh_name, "def.mesh_name")?, def.mesh_index) {
             _ if boolean(def.join_nodes) || !nodes.is_empty() => MeshChoice::Nodes(nodes),
-            (Some(name), _) => MeshChoice::Name(name),
+            (Some(name), _) => MeshChoice::Name(name.to_owned()),
             (None, u32::MAX) => MeshChoice::First,
             (None, index) => MeshChoice::Index(index as usize),
         },

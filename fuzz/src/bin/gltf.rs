@@ -12,9 +12,9 @@ target!(
             drop(solids);
         }
         let all = Patterns::default();
-        if let Ok(body) = gltf_slice(&file, None, MeshChoice::Nodes(&all)) {
+        if let Ok(body) = gltf_slice(&file, None, MeshChoice::Nodes(all.clone())) {
             let parts = body.part_meshes();
-            let _ = crumple::export::deformed_glb(&file, None, MeshChoice::Nodes(&all), &body.mesh.positions, None, None);
+            let _ = crumple::export::deformed_glb(&file, None, MeshChoice::Nodes(all.clone()), &body.mesh.positions, None, None);
             if let Ok(mut set) = ExampleSet::build(body.mesh, body.examples, SetOptions::default(), &Serial) {
                 parts.into_iter().for_each(|part| drop(set.add_lod(part, &Serial)));
                 baked::load_and_use(set.save().expect("a small set"));

@@ -72,23 +72,7 @@ pub struct Source {
 pub struct File {
     bytes: Vec<u8>,
     base_dir: PathBuf,
-    mesh: Option<String>,
-    nodes: Option<Patterns>,
-    reading: Reading<'static>,
-}
-
-impl File {
-    /// Reads a number as an index and any other text as a name.
-    fn reading(&self) -> Reading<'_> {
-        let mesh = match (&self.nodes, &self.mesh) {
-            (Some(nodes), _) => MeshChoice::Nodes(nodes),
-            (None, None) => MeshChoice::First,
-            (None, Some(text)) => text.parse().map_or(MeshChoice::Name(text), MeshChoice::Index),
-        };
-        let mut reading: Reading<'_> = self.reading.clone();
-        reading.mesh = mesh;
-        reading
-    }
+    reading: Reading,
 }
 
 impl Input {
@@ -156,15 +140,18 @@ impl Input {
         let mut file = File {
             bytes: std::fs::read(&self.file).with_context(|| format!("cannot read {shown}"))?,
             base_dir: self.file.parent().unwrap_or(Path::new("")).to_owned(),
-            mesh: self.mesh.clone(),
-            nodes: (joins || is_obj).then(|| Patterns::new(&self.nodes)),
             reading: Reading {
+                mesh: match &self.mesh {
+                    _ if joins || is_obj => MeshChoice::Nodes(Patterns::new(&self.nodes)),
+                    None => MeshChoice::First,
+                    // A number is an index.
+                    Some(text) => text.parse().map_or_else(|_| MeshChoice::Name(text.clone()), MeshChoice::Index),
+                },
                 targets: Patterns::new(&self.targets),
                 rigid: Patterns::new(&self.rigid),
                 glass: Patterns::new(&self.glass),
                 moving: Patterns::new(&self.moving),
                 unit: self.unit.unwrap_or(1.0),
-                ..Reading::default()
             },
         };
         let mut notes = Vec::new();
@@ -193,9 +180,9 @@ impl Input {
                 );
             }
         }
-        let read = import::gltf_slice(&file.bytes, Some(&file.base_dir), file.reading());
+        let read = import::gltf_slice(&file.bytes, Some(&file.base_dir), &file.reading);
         let mut imported = read.with_context(|| shown.to_string())?;
-        if file.nodes.is_some() {
+        if joins || is_obj {
             imported.name = self.stem();
         }
         if is_obj && !joins {
@@ -213,7 +200,7 @@ impl Source {
         let (normals, tangents) = (normals.as_deref(), tangents.as_deref());
         if let Some(file) = &self.file {
             let folder = Some(file.base_dir.as_path());
-            return export::deformed_glb(&file.bytes, folder, file.reading(), positions, normals, tangents);
+            return export::deformed_glb(&file.bytes, folder, &file.reading, positions, normals, tangents);
         }
         let triangles = self.set.mesh().triangles();
         let glb = export::mesh_glb(&self.about.name, triangles, positions, normals, tangents)?;

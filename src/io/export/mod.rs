@@ -53,10 +53,10 @@ pub use crate::io::glb::GlbFile;
 /// # Errors
 /// [`Error::InvalidArgument`] for a wrong number of vertices, [`Error::NotFinite`] for NaN and infinities, and the errors
 /// of [`gltf_slice`](crate::io::import::gltf_slice) for a file that it cannot read.
-pub fn deformed_glb<'a>(
+pub fn deformed_glb(
     source: &[u8],
     base_dir: Option<&Path>,
-    reading: impl Into<Reading<'a>>,
+    reading: impl Into<Reading>,
     positions: &[[f32; 3]],
     normals: Option<&[[f32; 3]]>,
     tangents: Option<&[[f32; 4]]>,

@@ -24,7 +24,7 @@ use std::path::Path;
 pub(super) fn deformed(
     source: &[u8],
     base_dir: Option<&Path>,
-    reading: &Reading<'_>,
+    reading: &Reading,
     vertices: Vertices<'_>,
 ) -> Result<GlbFile, Error> {
     let doc = Document::parse(source, base_dir)?;

@@ -36,7 +36,7 @@ use std::path::Path;
 /// versions; [`Error::NoSuchMesh`] and [`Error::NoExamples`], which list what the file has; [`Error::InvalidArgument`] for a pattern
 /// that matches nothing; [`Error::Format`], [`Error::IndexOutOfRange`] and [`Error::NotFinite`], which name what is wrong in the
 /// file.
-pub fn gltf_file<'a>(path: &Path, reading: impl Into<Reading<'a>>) -> Result<Imported, Error> {
+pub fn gltf_file(path: &Path, reading: impl Into<Reading>) -> Result<Imported, Error> {
     let reading = reading.into();
     let imported = gltf_slice(&uri::read(path, None)?, path.parent(), &reading)?;
     Ok(match reading.mesh {
@@ -52,11 +52,7 @@ pub fn gltf_file<'a>(path: &Path, reading: impl Into<Reading<'a>>) -> Result<Imp
 ///
 /// # Errors
 /// As [`gltf_file`].
-pub fn gltf_slice<'a>(
-    bytes: &[u8],
-    base_dir: Option<&Path>,
-    reading: impl Into<Reading<'a>>,
-) -> Result<Imported, Error> {
+pub fn gltf_slice(bytes: &[u8], base_dir: Option<&Path>, reading: impl Into<Reading>) -> Result<Imported, Error> {
     Ok(read(&Document::parse(bytes, base_dir)?, &reading.into())?.imported)
 }
 
@@ -92,7 +88,7 @@ pub fn gltf_solids(bytes: &[u8], base_dir: Option<&Path>, body: Option<[[f32; 4]
 }
 
 /// Reads what `reading` chooses.
-pub(crate) fn read<'d>(doc: &'d Document<'_>, reading: &Reading<'_>) -> Result<Body<'d>, Error> {
+pub(crate) fn read<'d>(doc: &'d Document<'_>, reading: &Reading) -> Result<Body<'d>, Error> {
     reading.check()?;
     let nodes = Nodes::of(doc)?;
     let source = Source { doc, nodes: &nodes, marks: &Marks::of(doc, &nodes, reading)?, reading };
@@ -101,10 +97,10 @@ pub(crate) fn read<'d>(doc: &'d Document<'_>, reading: &Reading<'_>) -> Result<B
     };
     let mut notes: Vec<String> = doc.unknown_requirements().iter().map(unknown).collect();
     let named = |name: &str, mesh: usize| doc.value["meshes"][mesh]["name"] == name;
-    let mut body = match reading.mesh {
+    let mut body = match &reading.mesh {
         MeshChoice::Nodes(_) => source.joined(&mut notes)?,
         MeshChoice::First => source.single(source.first(&mut notes)?, &mut notes)?,
-        MeshChoice::Index(index) => source.wanted(index.to_string(), |mesh| mesh == index, &mut notes)?,
+        MeshChoice::Index(index) => source.wanted(index.to_string(), |mesh| mesh == *index, &mut notes)?,
         MeshChoice::Name(name) => source.wanted(format!("'{name}'"), |mesh| named(name, mesh), &mut notes)?,
     };
     notes::look(&body.imported, &mut notes);
@@ -117,7 +113,7 @@ struct Source<'s, 'd, 'a> {
     doc: &'d Document<'a>,
     nodes: &'s Nodes<'d, 'a>,
     marks: &'s Marks<'s>,
-    reading: &'s Reading<'s>,
+    reading: &'s Reading,
 }
 
 impl<'d> Source<'_, 'd, '_> {
@@ -415,7 +411,7 @@ pub(super) fn meshes(doc: &Document<'_>, list: Vec<usize>) -> String {
 }
 
 /// The indices of the targets that are dents.
-fn dents(reading: &Reading<'_>, mesh: &serde_json::Value, names: &[String]) -> Result<Vec<usize>, Error> {
+fn dents(reading: &Reading, mesh: &serde_json::Value, names: &[String]) -> Result<Vec<usize>, Error> {
     let own = extras::dents(mesh)?.map(Patterns::new);
     let patterns = if reading.targets.is_empty() { own.unwrap_or_default() } else { reading.targets.clone() };
     Ok((0..names.len()).filter(|target| patterns.takes(&names[*target])).collect())

@@ -50,7 +50,7 @@
 //! ```no_run
 //! use crumple::{ExampleSet, Serial, SetOptions, import};
 //! let all = import::Patterns::default();
-//! let body = import::gltf_file("car.glb".as_ref(), import::MeshChoice::Nodes(&all))?;
+//! let body = import::gltf_file("car.glb".as_ref(), import::MeshChoice::Nodes(all))?;
 //! let parts = body.part_meshes();
 //! let mut set = ExampleSet::build(body.mesh, body.examples, SetOptions::default(), &Serial)?;
 //! for (part, mesh) in body.parts.iter().zip(parts) {

@@ -46,8 +46,7 @@ pub fn obj_slices(base: (&str, &[u8]), examples: &[(&str, &[u8])]) -> Result<Imp
 }
 
 fn read(converted: GlbFile) -> Result<Imported, Error> {
-    let all = Patterns::default();
-    let imported = gltf_slice(&converted.glb, None, MeshChoice::Nodes(&all))?;
+    let imported = gltf_slice(&converted.glb, None, MeshChoice::Nodes(Patterns::default()))?;
     Ok(Imported { notes: [converted.notes, imported.notes].concat(), parts: Vec::new(), ..imported })
 }
 

@@ -9,18 +9,18 @@ use serde_json::Value;
 use wildmatch::WildMatch;
 
 /// The mesh of a file to read, or the nodes whose meshes are joined to one body.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub enum MeshChoice<'a> {
+#[derive(Debug, Clone, PartialEq, Default)]
+pub enum MeshChoice {
     /// The first whose morph targets move a vertex.
     #[default]
     First,
     /// By its index in the file.
     Index(usize),
     /// By its name; the first of that name.
-    Name(&'a str),
+    Name(String),
     /// The meshes of all nodes whose names, or the names of nodes above them, match: a body of parts, in the scene's space. Without
     /// a pattern that takes names, of all but those of other scenes and levels of detail. See [`Part`](super::Part).
-    Nodes(&'a Patterns),
+    Nodes(Patterns),
 }
 
 /// What of a glTF file is read.
@@ -33,15 +33,15 @@ pub enum MeshChoice<'a> {
 /// use crumple::import::{MeshChoice, Patterns, Reading, gltf_file};
 /// # let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
 /// let nodes = Patterns::new(["Door*", "Panel"]);
-/// let reading = Reading { rigid: Patterns::new(["Panel"]), ..MeshChoice::Nodes(&nodes).into() };
+/// let reading = Reading { rigid: Patterns::new(["Panel"]), ..MeshChoice::Nodes(nodes).into() };
 /// let body = gltf_file(&folder.join("tests/fixtures/nodes.glb"), &reading)?;
 /// assert_eq!(body.parts.iter().map(|part| &*part.name).collect::<Vec<_>>(), ["Door", "Panel", "Door again"]);
 /// # Ok::<(), crumple::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct Reading<'a> {
+pub struct Reading {
     /// The mesh, or the nodes.
-    pub mesh: MeshChoice<'a>,
+    pub mesh: MeshChoice,
     /// The names of the morph targets that are dents. The others stay in the file. Without patterns: `mesh.extras.dents`, a list of
     /// patterns, or else all.
     pub targets: Patterns,
@@ -55,21 +55,21 @@ pub struct Reading<'a> {
     pub unit: f32,
 }
 
-impl Default for Reading<'_> {
+impl Default for Reading {
     fn default() -> Self {
         MeshChoice::First.into()
     }
 }
 
-impl<'a> From<MeshChoice<'a>> for Reading<'a> {
-    fn from(mesh: MeshChoice<'a>) -> Self {
+impl From<MeshChoice> for Reading {
+    fn from(mesh: MeshChoice) -> Self {
         let none = Patterns::default;
         Reading { mesh, targets: none(), rigid: none(), glass: none(), moving: none(), unit: 1.0 }
     }
 }
 
-impl<'a> From<&Reading<'a>> for Reading<'a> {
-    fn from(reading: &Reading<'a>) -> Self {
+impl From<&Reading> for Reading {
+    fn from(reading: &Reading) -> Self {
         reading.clone()
     }
 }
@@ -160,7 +160,7 @@ enum Mark {
     Moving,
 }
 
-impl Reading<'_> {
+impl Reading {
     pub(super) fn check(&self) -> Result<(), Error> {
         if self.unit > 0.0 && self.unit.is_finite() {
             return Ok(());
@@ -208,7 +208,7 @@ struct Hints {
 }
 
 impl<'r> Marks<'r> {
-    pub(super) fn of(doc: &Document<'_>, nodes: &Nodes<'_, '_>, reading: &'r Reading<'r>) -> Result<Self, Error> {
+    pub(super) fn of(doc: &Document<'_>, nodes: &Nodes<'_, '_>, reading: &'r Reading) -> Result<Self, Error> {
         let names: Vec<String> = (0..doc.nodes.len()).map(|node| nodes.name(node)).collect();
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         let material_names: Vec<&str> =
@@ -234,7 +234,7 @@ impl<'r> Marks<'r> {
         let of_materials = material_names.iter().zip(marks("materials")?).map(|(name, extras)| hints(name, extras));
         let mut taken = vec![false; names.len()];
         let mut aside = taken.clone();
-        if let MeshChoice::Nodes(patterns) = reading.mesh {
+        if let MeshChoice::Nodes(patterns) = &reading.mesh {
             patterns.all_match("nodes", &names)?;
             let own = |node: usize, above: &Found| patterns.found(names[node]).or(*above);
             taken = nodes.inherited(Found::default(), own).into_iter().map(|found| patterns.take(found)).collect();
