@@ -87,7 +87,6 @@ pub use instance::attach::{Attachment, Pose};
 pub use instance::deform::{DeformJob, deform, deform_within, fold_all};
 pub use instance::inbox::Inbox;
 pub use instance::mapped::{Mapping, map_damage};
-pub use instance::options::{InstanceOptions, Rule};
 pub use instance::parts::PartDamage;
 #[cfg(feature = "gltf")]
 pub use io::export;
@@ -101,3 +100,4 @@ pub use mesh::keep_out::{KeepOutReport, Solid};
 pub use mesh::mirror::Mirror;
 pub use mesh::nearest::Nearest;
 pub use select::hit::{Cause, Chosen, Hit, HitStatus, Outcome, Selection, Space};
+pub use select::options::{InstanceOptions, Rule};

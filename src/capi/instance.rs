@@ -7,8 +7,8 @@ use super::prelude::*;
 use super::store::InstanceEntry;
 use super::types::CrumpleRule;
 use crate::instance::Instance;
-use crate::instance::options::{InstanceOptions, Rule};
 use crate::select::hit::Selection;
+use crate::select::options::{InstanceOptions, Rule};
 use glam::Mat4;
 
 /// Options of an instance.

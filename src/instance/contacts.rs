@@ -5,7 +5,6 @@
 //! contact's hits whenever a fold brings more of them. So the damage shown is always that of each open contact reported
 //! as a whole, and marks that have merged never need to be taken apart.
 
-use super::options::Rule;
 use super::selection::select;
 use crate::base::math::to_f32;
 use crate::damage::list::Damage;
@@ -120,7 +119,7 @@ impl Sum {
     /// The effect of the sum of its hits; `None` if the sum is below the yield impulse or moves nothing.
     fn select(&self, set: &ExampleSet, params: &HitParams) -> Option<Outcome> {
         let by_target = self.blow.is_none();
-        let weak = by_target && !self.displaced && self.impulse.length() < f64::from(params.yield_impulse);
+        let weak = by_target && !self.displaced && self.impulse.length() < f64::from(params.options.yield_impulse);
         if weak || self.weight <= 0.0 {
             return None;
         }
@@ -132,13 +131,13 @@ impl Sum {
             let normal = blow.normal.and_then(|_| self.normal.try_normalize()).map(to_f32);
             let whole = Blow { impulse: blow.impulse.map(|_| to_f32(self.impulse)), normal, ..blow };
             let whole = Hit::blow(point, whole);
-            let outcome = select(set, Rule::Marks, &params, &whole).ok()?;
+            let outcome = select(set, &params, &whole).ok()?;
             if !self.displaced {
                 return Some(outcome);
             }
             target += DVec3::from_array(outcome.target.map(f64::from));
         }
-        select(set, Rule::Marks, &params, &Hit::displacement(point, to_f32(target))).ok()
+        select(set, &params, &Hit::displacement(point, to_f32(target))).ok()
     }
 }
 

@@ -1,13 +1,13 @@
 //! The inbox, where hits arrive from any thread.
 
 use super::contacts::{ContactEvent, ContactPart, Contacts, Push};
-use super::options::Rule;
 use super::selection::select;
 use crate::base::error::Error;
 use crate::base::sync::{Mutex, MutexGuard, RwLock, RwLockReadGuard, RwLockWriteGuard};
 use crate::damage::mark::Mark;
 use crate::example::set::ExampleSet;
 use crate::select::hit::{Cause, Hit, HitStatus, Outcome};
+use crate::select::options::Rule;
 use crate::select::target::HitParams;
 use glam::{DMat3, DVec3, Mat4};
 use std::collections::BTreeSet;
@@ -73,12 +73,12 @@ pub struct Inbox {
 }
 
 impl Inbox {
-    pub(super) fn new(set: Arc<ExampleSet>, rule: Rule, params: HitParams) -> Self {
+    pub(super) fn new(set: Arc<ExampleSet>, params: HitParams) -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(1);
         Inbox {
             number: NEXT.fetch_add(1, Ordering::Relaxed),
             set,
-            rule,
+            rule: params.options.rule,
             params: RwLock::new(params),
             queue: Mutex::default(),
             followers: RwLock::default(),
@@ -211,7 +211,7 @@ impl Inbox {
         if hit.contact.is_some() {
             self.rule.only_marks("a hit with a contact id")?;
         }
-        select(&self.set, self.rule, params, hit)
+        select(&self.set, params, hit)
     }
 
     pub(crate) fn contacts_allowed(&self, call: &str) -> Result<(), Error> {

@@ -7,7 +7,6 @@ pub(crate) mod deform;
 mod growth;
 pub(crate) mod inbox;
 pub(crate) mod mapped;
-pub(crate) mod options;
 pub(crate) mod parts;
 #[cfg(test)]
 pub(crate) mod schedules;
@@ -24,12 +23,12 @@ use crate::example::mesh_lod::MeshLod;
 use crate::example::set::ExampleSet;
 use crate::mesh::finite;
 use crate::select::hit::{Hit, Outcome};
+use crate::select::options::{InstanceOptions, Rule, check_limit};
 use crate::select::target::HitParams;
 use contacts::Contacts;
 use glam::{DMat3, DVec3, Mat4};
 use growth::Growth;
 use inbox::{Inbox, Pending};
-use options::{InstanceOptions, Rule, check_limit};
 use std::num::NonZeroU64;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -114,11 +113,8 @@ impl Instance {
         let diagonal = set.mesh().bounds().diagonal();
         let limit = options.depth_limit.unwrap_or(set.depth_limit());
         let params = HitParams {
-            selection: options.selection,
+            options,
             depth_limit: limit,
-            yield_impulse: options.yield_impulse,
-            yield_displacement: options.yield_displacement,
-            compliance: options.compliance,
             max_distance: options.max_contact_distance.unwrap_or(diagonal.max(limit)),
             world_to_local: DMat3::IDENTITY,
             local_origin_in_world: DVec3::ZERO,
@@ -136,7 +132,7 @@ impl Instance {
         };
         let blocks = set.lods().map(|s| vec![0; s.blocks()]).collect();
         Ok(Self {
-            inbox: Arc::new(Inbox::new(set.clone(), options.rule, params)),
+            inbox: Arc::new(Inbox::new(set.clone(), params)),
             set,
             options,
             damage: Damage::default(),

@@ -7,7 +7,6 @@
 //! what is off, taken together.
 
 use super::inbox::Inbox;
-use super::options::{InstanceOptions, Rule};
 use super::{Instance, PartState};
 use crate::base::error::Error;
 use crate::damage::energy::depth_of_one;
@@ -16,6 +15,7 @@ use crate::deform::evaluate::{BlockJob, Scratch, block};
 use crate::deform::view::Shape;
 use crate::example::set::ExampleSet;
 use crate::mesh::vertex_blocks::{BLOCK, block_range};
+use crate::select::options::{InstanceOptions, Rule};
 use crate::select::target::Landing;
 use glam::Vec3;
 use std::collections::HashMap;

@@ -7,9 +7,9 @@ use crate::damage::mark::Mark;
 use crate::example::data::{Deltas, ExampleData};
 use crate::example::options::SetOptions;
 use crate::example::set::ExampleSet;
-use crate::instance::options::InstanceOptions;
 use crate::mesh::data::MeshData;
 use crate::select::hit::Hit;
+use crate::select::options::InstanceOptions;
 use glam::{Mat4, Vec3};
 #[cfg(shuttle)]
 use shuttle::thread;

@@ -1,6 +1,5 @@
 //! Decides what a hit leaves, as the instance's rule requires.
 
-use super::options::Rule;
 use crate::base::error::Error;
 use crate::classic::select_by_cosine;
 use crate::damage::mark::Mark;
@@ -8,17 +7,18 @@ use crate::damage::told::predicted;
 use crate::example::set::ExampleSet;
 use crate::predict::Told;
 use crate::select::hit::{Hit, HitStatus, Outcome, Selection};
+use crate::select::options::Rule;
 use crate::select::target::{HitParams, HitTarget, resolve};
 use glam::Vec3;
 
 /// Turns a hit into its outcome, which has what it leaves.
-pub(crate) fn select(set: &ExampleSet, rule: Rule, params: &HitParams, hit: &Hit) -> Result<Outcome, Error> {
+pub(crate) fn select(set: &ExampleSet, params: &HitParams, hit: &Hit) -> Result<Outcome, Error> {
     let (mut outcome, target) = resolve(set, params, hit)?;
     let Some(target) = target else { return Ok(outcome) };
-    let moved = match rule {
+    let moved = match params.options.rule {
         Rule::Marks => predict(set, &target, &mut outcome),
         Rule::MostDisplaced | Rule::Blend(_) => {
-            let chosen = select_by_cosine(set, &target, params.selection == Selection::Classic);
+            let chosen = select_by_cosine(set, &target, params.options.selection == Selection::Classic);
             chosen.map(|(chosen, delta)| {
                 outcome.classic = Some(chosen);
                 delta * chosen.weight

@@ -4,4 +4,5 @@
 //! platform.
 
 pub(crate) mod hit;
+pub(crate) mod options;
 pub(crate) mod target;

@@ -1,6 +1,7 @@
 //! The target of a hit: which vertex is displaced, in which direction and how far.
 
 use super::hit::{Cause, Hit, HitStatus, Outcome, Selection, Space};
+use super::options::InstanceOptions;
 use crate::base::error::{Error, positive};
 use crate::base::math::to_f32;
 use crate::base::tasks::Serial;
@@ -17,15 +18,12 @@ use std::sync::Arc;
 /// Targets below this share of the depth limit leave no mark.
 const NEGLIGIBLE: f64 = 1e-6;
 
-/// The settings of an instance that selection needs.
+/// What selection needs of an instance.
 #[derive(Debug, Clone)]
 pub(crate) struct HitParams {
-    pub selection: Selection,
+    pub options: InstanceOptions,
+    /// The limits in use, m.
     pub depth_limit: f32,
-    pub yield_impulse: f32,
-    pub yield_displacement: f32,
-    /// How far an impulse of 1 N·s moves its contact if no example knows its blow, m. `None`: by the paper's formula.
-    pub compliance: Option<f32>,
     pub max_distance: f32,
     /// Linear part of the transform from world to mesh space, and the mesh origin in world space, m.
     pub world_to_local: DMat3,
@@ -101,13 +99,13 @@ pub(crate) fn resolve(set: &ExampleSet, p: &HitParams, hit: &Hit) -> Result<(Out
         Cause::Displacement(d) => (vector(d), false),
         Cause::Impulse { blow, mass: m } => {
             let impulse = impulse_of(&blow)?;
-            let weak = DVec3::from_array(impulse.map(f64::from)).length() < f64::from(p.yield_impulse);
+            let weak = DVec3::from_array(impulse.map(f64::from)).length() < f64::from(p.options.yield_impulse);
             if set.predicts_blows() {
                 let normal = normal.unwrap_or(-vector(impulse).normalize_or_zero().as_vec3());
                 let known = set.rule().strike(&p.local_blow(&blow, hit.space), normal);
                 strike = known.map(|strike| (Told::Strike(strike), normal));
                 (strike.map_or(DVec3::ZERO, |(told, normal)| aimed(set, contact.vertex, &told, normal)), weak)
-            } else if let Some(compliance) = p.compliance {
+            } else if let Some(compliance) = p.options.compliance {
                 (vector(impulse) * f64::from(compliance), weak)
             } else {
                 // Equation 4.4 of the paper.
@@ -135,11 +133,11 @@ pub(crate) fn resolve(set: &ExampleSet, p: &HitParams, hit: &Hit) -> Result<(Out
         outcome.status = HitStatus::Rigid;
         return Ok((outcome, None));
     }
-    if weak || length < f64::from(p.yield_displacement) || length <= NEGLIGIBLE * f64::from(p.depth_limit) {
+    if weak || length < f64::from(p.options.yield_displacement) || length <= NEGLIGIBLE * f64::from(p.depth_limit) {
         return Ok((outcome, None));
     }
     outcome.status = HitStatus::NothingReaches;
-    outcome.clamped = length > f64::from(limit) && p.selection != Selection::ClassicUnclamped;
+    outcome.clamped = length > f64::from(limit) && p.options.selection != Selection::ClassicUnclamped;
     let size = if outcome.clamped { limit } else { length.min(f64::from(f32::MAX)) as f32 };
     let direction = (target / length).as_vec3();
     let (told, normal) = strike.unwrap_or((Told::Displacement(direction), normal.unwrap_or(-direction)));

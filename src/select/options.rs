@@ -1,7 +1,7 @@
 //! The options of an instance.
 
+use super::hit::Selection;
 use crate::base::error::{Error, at_least_zero, positive};
-use crate::select::hit::Selection;
 
 /// What an impulse leaves on an instance.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -74,7 +74,7 @@ impl InstanceOptions {
         Self { rule, ..Self::default() }
     }
 
-    pub(super) fn check(&self) -> Result<(), Error> {
+    pub(crate) fn check(&self) -> Result<(), Error> {
         at_least_zero("yield_impulse", self.yield_impulse, "N·s")?;
         at_least_zero("yield_displacement", self.yield_displacement, "m")?;
         if let Some(c) = self.compliance {
@@ -107,7 +107,7 @@ impl InstanceOptions {
     }
 }
 
-pub(super) fn check_limit(limit: Option<f32>) -> Result<(), Error> {
+pub(crate) fn check_limit(limit: Option<f32>) -> Result<(), Error> {
     match limit {
         Some(l) if !(l > 0.0 && l <= 1e9) => Err(Error::invalid("depth_limit", l, "above 0 and at most 1e9 m")),
         _ => Ok(()),
