@@ -3,7 +3,6 @@
 use super::check;
 use super::layout::{AnchoredRecord, ExampleRecord, Id, MeshRecord, SetRecord, wrong};
 use super::read::{File, length_of};
-use super::scan::open;
 use crate::base::array::{Array, FileBytes};
 use crate::base::error::Error;
 use crate::base::tasks::TaskSystem;
@@ -22,14 +21,14 @@ use crate::mesh::mirror::Mirror;
 use crate::mesh::nearest::{LEAF, Leaf, VertexIndex};
 use crate::mesh::rim::Rim;
 use crate::mesh::vertex_blocks::BLOCK;
-use crate::mesh::{Mesh, MeshArrays};
+use crate::mesh::{MAX_COORDINATE, Mesh, MeshArrays};
 use bytemuck::{Pod, cast_slice};
 use glam::Vec3;
 use std::sync::Arc;
 
 /// Makes the set from a file's bytes.
 pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSet, Error> {
-    let (file, content) = open(bytes, tasks)?;
+    let file = File::read(bytes, tasks)?;
     let record = *one::<SetRecord>(&file.array(Id::Set, 0)?, Id::Set)?;
     if !(1..=MAX_MESHES as u32).contains(&record.meshes) {
         return Err(wrong("the number of meshes", record.meshes, format!("1 to {MAX_MESHES}")));
@@ -52,7 +51,6 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
     let lods = (1..record.meshes).map(|k| mesh_lod(&file, k, 0, steps)).collect::<Result<Vec<_>, _>>()?;
     let nodes = mesh_lod(&file, record.meshes, count, steps)?;
     let bodies = || [&base].into_iter().chain(&lods);
-    content?;
     check_all(bodies().chain([&nodes]), tasks)?;
     let rows = (0..).zip(bodies()).map(|(k, lod)| rows(&file, k, &lod.mesh, &nodes)).collect::<Result<Vec<_>, _>>()?;
     let lods = (1..).zip(lods).map(|(k, lod)| {
@@ -126,6 +124,7 @@ fn index(file: &File<'_>, mesh: &Mesh) -> Result<VertexIndex, Error> {
     // Only one of the vertices at one position is in the tree.
     let leaves = (vertices - mesh.seam_count()).div_ceil(LEAF);
     let leaves: Array<Leaf> = file.array_of(Id::IndexLeaves, 0, leaves)?;
+    check::leaves(&leaves, vertices)?;
     VertexIndex::of(file.array(Id::IndexInner, 0)?, leaves).ok_or_else(check::no_tree)
 }
 
@@ -248,14 +247,21 @@ fn anchored(file: &File<'_>, k: u32, examples: usize, steps: Steps) -> Result<Ve
     Ok(out)
 }
 
-/// Checks, in tasks, everything whose size grows with the file and that [`super::scan`] leaves.
+/// Checks, in tasks, everything whose size grows with the file.
 fn check_all<'m>(meshes: impl Iterator<Item = &'m MeshLod>, tasks: &dyn TaskSystem) -> Result<(), Error> {
     type Check<'a> = Box<dyn FnOnce() -> Result<(), Error> + Send + 'a>;
     let mut checks: Vec<Check<'_>> = Vec::new();
     for lod in meshes {
         let a = lod.mesh.arrays();
         let n = lod.vertex_count();
+        checks.push(Box::new(move || check::numbers("section positions", cast_slice(&a.positions), MAX_COORDINATE)));
+        checks.push(Box::new(move || check::units("section normals", a.normals.as_deref().unwrap_or_default())));
         checks.push(Box::new(move || {
+            check::units("section contact normals", a.contact_normals.as_deref().unwrap_or_default())
+        }));
+        checks.push(Box::new(move || check::indices("section triangles", a.triangles.as_flattened(), n)));
+        checks.push(Box::new(move || {
+            check::indices("section weld", &a.weld, n)?;
             check::weld(&a.weld, &a.positions)?;
             let limits = lod.mesh.limits();
             let differ = |(v, w): &(usize, &u32)| {

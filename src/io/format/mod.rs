@@ -1,7 +1,7 @@
 //! Baked sets: files with a prepared example set, so that loading rebuilds nothing.
 //!
 //! A file is a header, a table of sections, and the sections: plain little-endian arrays that are used in place.
-//! docs/format.md describes every byte. [`layout`] defines the records, [`read`] finds the sections, [`scan`] verifies
+//! docs/format.md describes every byte. [`layout`] defines the records, [`read`] finds the sections and verifies
 //! the checksum, [`check`] checks the sections' content, [`load`] makes a set from them, and [`write`] writes a file.
 //! Any file becomes either a set that keeps the library's promises or an error.
 
@@ -9,7 +9,6 @@ mod check;
 mod layout;
 mod load;
 mod read;
-mod scan;
 mod write;
 
 pub use layout::file_checksum;

@@ -1,8 +1,9 @@
 //! Reads a file's header and table, and its sections as arrays.
 
-use super::layout::{ALIGN, Entry, Header, Id, MAGIC, VERSION, wrong};
+use super::layout::{ALIGN, Entry, Header, Id, MAGIC, VERSION, file_checksum, wrong};
 use crate::base::array::{Array, FileBytes};
 use crate::base::error::Error;
+use crate::base::tasks::TaskSystem;
 use bytemuck::Pod;
 use std::ops::Range;
 
@@ -14,9 +15,8 @@ pub(super) struct File<'a> {
 }
 
 impl<'a> File<'a> {
-    /// Reads the header and the table. Returns the checksum that the header states, and the file or what is wrong with
-    /// its table.
-    pub(super) fn read(bytes: &'a FileBytes) -> Result<(u64, Result<Self, Error>), Error> {
+    /// Reads the header, verifies the checksum and reads the table: a damaged table is first of all damaged.
+    pub(super) fn read(bytes: &'a FileBytes, tasks: &dyn TaskSystem) -> Result<Self, Error> {
         let all = bytes.as_slice();
         let too_short = || wrong("its length", format!("{} bytes", all.len()), "at least the 64 of a header");
         let header: Header =
@@ -49,7 +49,11 @@ impl<'a> File<'a> {
         if all.get(table.clone()).is_none() {
             return Err(wrong("the number of sections", header.sections, "so few that their table fits into the file"));
         }
-        Ok((header.checksum, File::table(bytes, &header, table)))
+        let (stated, found) = (header.checksum, file_checksum(all, tasks));
+        if stated != found {
+            return Err(wrong("the checksum", format!("{stated:#018x}"), format!("{found:#018x}: the file was damaged")));
+        }
+        File::table(bytes, &header, table)
     }
 
     /// Reads the table of sections, which is at `table`.
