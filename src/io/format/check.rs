@@ -5,7 +5,7 @@ use crate::base::error::Error;
 use crate::basis::{MOST_WEIGHT, Rows, TILE};
 use crate::example::blocks::{DeltaBlocks, GROUP, Numbers, Stored, Width, words};
 use crate::mesh::MAX_COORDINATE;
-use crate::mesh::nearest::{Leaf, indices_below, vertices_known};
+use crate::mesh::nearest::{Leaf, vertices_known};
 use crate::mesh::rim::Rim;
 use crate::mesh::vertex_blocks::{BLOCK, block_range};
 use glam::Vec3;
@@ -15,49 +15,39 @@ use std::fmt::Display;
 /// float.
 pub(super) const MAX_DISPLACEMENT: f32 = 4.0 * MAX_COORDINATE;
 
-/// Every number must be finite and at most `limit` in magnitude.
-pub(super) fn numbers(name: &str, all: &[f32], limit: f32) -> Result<(), Error> {
-    if numbers_within(all, limit) {
+/// Every element must be right, each of which is a `what`.
+fn every<T: Copy + Display>(
+    (what, name): (&str, &str),
+    all: &[T],
+    right: impl Fn(T) -> bool,
+    expected: impl Display,
+) -> Result<(), Error> {
+    // Without a branch for each of them.
+    if all.iter().fold(true, |good, x| good & right(*x)) {
         return Ok(());
     }
-    let at = all.iter().position(|x| !numbers_within(&[*x], limit)).unwrap_or(0);
-    Err(wrong(format!("number {at} of {name}"), all[at], format!("finite and within {limit:e}")))
+    let at = all.iter().position(|x| !right(*x)).unwrap_or(0);
+    Err(wrong(format!("{what} {at} of {name}"), all[at], expected))
 }
 
-fn numbers_within(all: &[f32], limit: f32) -> bool {
-    // Without the sign, the bits of floats sort as the floats do; infinities and NaN come last.
-    let size = |x: &f32| (x.to_bits() & 0x7FFF_FFFF) as i32;
-    let limit = size(&limit);
-    // The difference is negative for a larger number.
-    all.iter().fold(0, |m, x| m | (limit - size(x))) >= 0
+/// Every number must be finite and at most `limit` in magnitude.
+pub(super) fn numbers(name: &str, all: &[f32], limit: f32) -> Result<(), Error> {
+    every(("number", name), all, |x| x.abs() <= limit, format_args!("finite and within {limit:e}"))
+}
+
+/// Every vector must have length 1, to a thousandth.
+pub(super) fn units(name: &str, all: &[Vec3]) -> Result<(), Error> {
+    every(("vector", name), all, |v| (v.length_squared() - 1.0).abs() <= 2e-3, "of length 1")
+}
+
+/// Every index must be below `len`, which is below 2^32.
+pub(super) fn indices(name: &str, all: &[u32], len: usize) -> Result<(), Error> {
+    every(("index", name), all, |i| (i as usize) < len, format_args!("below {len}"))
 }
 
 /// The number must be finite, from `low` to `high`.
 pub(super) fn between(name: impl Display, x: f32, low: f32, high: f32) -> Result<(), Error> {
     if x >= low && x <= high { Ok(()) } else { Err(wrong(name, x, format!("{low:e} to {high:e}"))) }
-}
-
-/// Every vector must have length 1, to a thousandth.
-pub(super) fn units(name: &str, all: &[Vec3]) -> Result<(), Error> {
-    if all_units(all) {
-        return Ok(());
-    }
-    let at = all.iter().position(|v| !all_units(&[*v])).unwrap_or(0);
-    Err(wrong(format!("vector {at} of {name}"), all[at], "of length 1"))
-}
-
-fn all_units(all: &[Vec3]) -> bool {
-    // False for NaN too.
-    all.iter().fold(true, |all, v| all & ((v.length_squared() - 1.0).abs() <= 2e-3))
-}
-
-/// Every index must be below `len`, which is below 2^32.
-pub(super) fn indices(name: &str, all: &[u32], len: usize) -> Result<(), Error> {
-    if indices_below(all, len) {
-        return Ok(());
-    }
-    let at = all.iter().position(|x| *x as usize >= len).unwrap_or(0);
-    Err(wrong(format!("index {at} of {name}"), all[at], format!("below {len}")))
 }
 
 /// All vertices of the leaves must be below `vertices`.

@@ -51,7 +51,11 @@ impl<'a> File<'a> {
         }
         let (stated, found) = (header.checksum, file_checksum(all, tasks));
         if stated != found {
-            return Err(wrong("the checksum", format!("{stated:#018x}"), format!("{found:#018x}: the file was damaged")));
+            return Err(wrong(
+                "the checksum",
+                format!("{stated:#018x}"),
+                format!("{found:#018x}: the file was damaged"),
+            ));
         }
         File::table(bytes, &header, table)
     }
