@@ -84,7 +84,7 @@ impl ExampleSet {
             ..MeshData::default()
         };
         let (mesh, _) = Mesh::new(data)?;
-        let rim = self.rim().on(base, &mesh, tasks);
+        let rim = self.rim().on(base, &mesh);
         let anchored = map(tasks, 0..self.examples().len(), |i| {
             let steps = self.base_lod().anchored[i].steps;
             let field = self.base_lod().field(i);

@@ -53,7 +53,7 @@ impl ExampleSet {
             });
         }
         let (mesh, smooth) = Mesh::new(mesh)?;
-        let index = VertexIndex::new(mesh.positions(), mesh.weld(), tasks);
+        let index = VertexIndex::new(mesh.positions(), mesh.weld());
         let seams = seam_groups(mesh.weld());
         let steps = options.tolerance.map_or(Steps::EXACT, |t| Steps::new(t, options.normal_tolerance));
         let around = BlockTriangles::new(mesh.triangles(), mesh.weld());
@@ -85,7 +85,7 @@ impl ExampleSet {
         if options.mirror {
             report.mirror_planes = mirror::planes(mesh.positions(), &index, &mesh.bounds());
         }
-        let rim = if options.held_rims { Rim::find(&mesh, &moves, tasks) } else { Rim::default() };
+        let rim = if options.held_rims { Rim::find(&mesh, &moves) } else { Rim::default() };
         let mut set = Self::assemble(Parts {
             fingerprint: fingerprint(&mesh, &ready, &options),
             base: MeshLod::new(mesh, rim, ready.iter().filter_map(|e| e.whole.clone()).collect()),

@@ -120,7 +120,7 @@ fn learned(
     let mut round = 0;
     loop {
         let positions = pick(&nodes, mesh.positions());
-        let tree = VertexIndex::of_points(&positions, tasks);
+        let tree = VertexIndex::of_points(&positions);
         let at_nodes: Vec<Vec<Vec3>> = fields.iter().map(|field| pick(&nodes, field)).collect();
         let is_last = round == options.rounds;
         let fitting = Fitting {

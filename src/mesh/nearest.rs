@@ -22,8 +22,6 @@ use crate::base::array::Array;
 use crate::base::array_vec::ArrayVec;
 use crate::base::error::Error;
 use crate::base::math::Aabb;
-use crate::base::tasks::TaskSystem;
-use crate::base::tasks::map;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -35,8 +33,6 @@ const WIDE: usize = 4;
 const MAX_LEAVES: usize = 1 << 30;
 /// Capacity of the stack of nodes to visit: on each of at most 16 levels the other children wait.
 const WAITING: usize = 16 * (WIDE - 1) + 1;
-/// Number of leaves that one task fills.
-const LEAVES_A_TASK: usize = 1024;
 
 /// The vertex nearest to a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -115,19 +111,9 @@ impl Leaf {
     }
 }
 
-/// Whether all indices are below `len`. Vectorizes.
-#[inline]
-pub(crate) fn indices_below(all: &[u32], len: usize) -> bool {
-    let Some(last) = len.checked_sub(1).filter(|last| *last < 1 << 31) else {
-        return all.iter().all(|i| (*i as usize) < len);
-    };
-    // The highest bit is set if the index has it, or if the difference is negative.
-    all.iter().fold(0, |bits, i| bits | i | (last as u32).wrapping_sub(*i)) >> 31 == 0
-}
-
 /// Whether all vertices of the leaves are below `vertices`.
 pub(crate) fn vertices_known(leaves: &[Leaf], vertices: usize) -> bool {
-    leaves.iter().fold(true, |known, l| known & indices_below(&l.vertex, vertices))
+    leaves.iter().all(|l| l.vertex.iter().all(|v| (*v as usize) < vertices))
 }
 
 /// The smallest of a leaf's distances. The comparisons form a tree, so that compilers vectorize them.
@@ -154,28 +140,22 @@ pub(crate) struct VertexIndex {
 
 impl VertexIndex {
     /// Builds the tree. Keeps only the lowest vertex at each position (`weld[v] == v`), which is the result for all of
-    /// them. Needs at least one vertex and finite positions. The tree does not depend on the number of threads.
-    pub(crate) fn new(positions: &[Vec3], weld: &[u32], tasks: &dyn TaskSystem) -> Self {
+    /// them. Needs at least one vertex and finite positions.
+    pub(crate) fn new(positions: &[Vec3], weld: &[u32]) -> Self {
         let mut points: Vec<Point> = (0..)
             .zip(positions.iter().zip(weld))
             .filter(|(v, (_, w))| v == *w)
             .map(|(vertex, (p, _))| Point { at: p.to_array(), vertex })
             .collect();
         let count = points.len().div_ceil(LEAF).max(1);
-        arrange(&mut points, count, tasks);
-        let mut leaves = vec![Leaf::EMPTY; count];
-        let (late, early) = leaves.split_at_mut(shallow_leaves(count));
-        let (start, rest) = points.split_at((early.len() * LEAF).min(points.len()));
-        let pieces = [(late, rest), (early, start)]
-            .into_iter()
-            .flat_map(|(l, p)| l.chunks_mut(LEAVES_A_TASK).zip(p.chunks(LEAVES_A_TASK * LEAF)));
-        let boxes = map(tasks, pieces, |(leaves, points)| {
-            leaves.iter_mut().zip(points.chunks(LEAF)).for_each(|(leaf, p)| *leaf = Leaf::of(p));
-            points.chunks(LEAF).map(bounds).collect::<Vec<_>>()
-        });
+        arrange(&mut points, count);
+        let (deep, shallow) = points.split_at((LEAF * (count - shallow_leaves(count))).min(points.len()));
+        let by_leaves = || shallow.chunks(LEAF).chain(deep.chunks(LEAF));
+        let leaves: Vec<Leaf> = by_leaves().map(Leaf::of).collect();
         let mut inner = vec![Inner::EMPTY; inner_nodes(count)];
         // One box per node.
-        let mut boxes = [vec![Aabb::EMPTY; inner.len()], boxes.concat()].concat();
+        let mut boxes = vec![Aabb::EMPTY; inner.len()];
+        boxes.extend(by_leaves().map(bounds));
         for i in (0..inner.len()).rev() {
             for (child, at) in (WIDE * i + 1..boxes.len()).take(WIDE).enumerate() {
                 let b = boxes[at];
@@ -187,8 +167,8 @@ impl VertexIndex {
     }
 
     /// The tree of points, all of which it keeps.
-    pub(crate) fn of_points(points: &[Vec3], tasks: &dyn TaskSystem) -> Self {
-        Self::new(points, &(0..points.len() as u32).collect::<Vec<_>>(), tasks)
+    pub(crate) fn of_points(points: &[Vec3]) -> Self {
+        Self::new(points, &(0..points.len() as u32).collect::<Vec<_>>())
     }
 
     /// Makes the tree from arrays of any origin whose leaves have [known](vertices_known) vertices. `None` if there is
@@ -353,21 +333,9 @@ fn bounds(points: &[Point]) -> Aabb {
 }
 
 /// Sorts the points of a tree with `leaves` leaves into the tree's order, from left to right.
-fn arrange(points: &mut [Point], leaves: usize, tasks: &dyn TaskSystem) {
-    let mut branches = vec![(points, leaves)];
-    // Splits level by level until every worker has enough branches, then finishes each branch as one task.
-    let enough = if tasks.workers() > 1 { tasks.workers() * 4 } else { 1 };
-    while branches.len() < enough && branches.iter().any(|b| b.1 > 1) {
-        let parted = map(tasks, branches, |(p, n)| if n > 1 { part(p, n).into() } else { vec![(p, n)] });
-        branches = parted.into_iter().flatten().collect();
-    }
-    map(tasks, branches, |(points, leaves)| finish(points, leaves));
-}
-
-/// Splits points down to leaves.
-fn finish(points: &mut [Point], leaves: usize) {
+fn arrange(points: &mut [Point], leaves: usize) {
     if leaves > 1 {
-        part(points, leaves).into_iter().for_each(|(points, leaves)| finish(points, leaves));
+        part(points, leaves).into_iter().for_each(|(points, leaves)| arrange(points, leaves));
     } else {
         points.sort_unstable_by_key(|p| p.vertex);
     }
@@ -397,7 +365,6 @@ fn halve(points: &mut [Point], n: usize) -> (&mut [Point], &mut [Point]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::tasks::{Serial, ThreadPool};
     use crate::mesh::weld;
     use proptest::prelude::*;
 
@@ -431,7 +398,7 @@ mod tests {
 
     fn check(positions: &[Vec3], q: Vec3) -> Result<(), TestCaseError> {
         let weld = weld(positions).unwrap();
-        let index = VertexIndex::new(positions, &weld, &Serial);
+        let index = VertexIndex::new(positions, &weld);
         let all = compared(positions, &weld, q);
         let found = index.nearest(q, positions);
         let distance = (positions[all[0].1 as usize].as_dvec3() - q.as_dvec3()).length() as f32;
@@ -447,15 +414,6 @@ mod tests {
             let q = Vec3::from_array(q);
             let q = match scale { 0 => q, 1 => (q * 4.0).round(), 2 => q * 1e9, 3 => q * 2e19, _ => points[0] };
             check(&points, q)?;
-        }
-
-        #[test]
-        fn the_tree_does_not_depend_on_threads(points in clouds()) {
-            let weld = weld(&points).unwrap();
-            let serial = VertexIndex::new(&points, &weld, &Serial);
-            let parallel = VertexIndex::new(&points, &weld, &ThreadPool::new(3).unwrap());
-            prop_assert_eq!(bytemuck::cast_slice::<_, u8>(&serial.inner), bytemuck::cast_slice::<_, u8>(&parallel.inner));
-            prop_assert_eq!(bytemuck::cast_slice::<_, u8>(&serial.leaves), bytemuck::cast_slice::<_, u8>(&parallel.leaves));
         }
 
         /// Whatever the arrays contain, queries end and return vertices of the mesh.

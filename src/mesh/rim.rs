@@ -13,7 +13,6 @@ use super::vertex_blocks::{BLOCK, block_range};
 use crate::base::array::Array;
 use crate::base::lists::Lists;
 use crate::base::math::Aabb;
-use crate::base::tasks::{TaskSystem, map};
 use glam::Vec3;
 use rstar::{RTree, primitives::GeomWithData};
 
@@ -22,8 +21,6 @@ const WIDTH: f32 = 0.03;
 /// A vertex counts as moved above this share of the example's deepest displacement.
 const MOVED: f32 = 0.01;
 
-/// Blocks that one task looks at.
-const BLOCKS_A_TASK: usize = 64;
 /// Vertices of a block that are looked at only if their box is near a held rim.
 const PART: usize = 16;
 
@@ -47,18 +44,18 @@ impl Rim {
     pub(crate) const CLEAR: u32 = u32::MAX;
 
     /// Finds the held rims. `examples` says for each example which vertices it [moves](moves).
-    pub(crate) fn find(mesh: &Mesh, examples: &[Vec<bool>], tasks: &dyn TaskSystem) -> Self {
-        let rim = Rim { held: held(mesh, examples, tasks).into(), ..Rim::default() };
-        let windows = rim.on(mesh, mesh, tasks);
+    pub(crate) fn find(mesh: &Mesh, examples: &[Vec<bool>]) -> Self {
+        let rim = Rim { held: held(mesh, examples).into(), ..Rim::default() };
+        let windows = rim.on(mesh, mesh);
         Rim { held: rim.held, ..windows }
     }
 
     /// The windows of the same rims for the vertices of another mesh of the same body. Its list of held vertices is
     /// empty.
-    pub(crate) fn on(&self, own: &Mesh, other: &Mesh, tasks: &dyn TaskSystem) -> Self {
+    pub(crate) fn on(&self, own: &Mesh, other: &Mesh) -> Self {
         let held = self.held.iter().map(|v| *v as usize).filter(|v| own.weld()[*v] as usize == *v);
         let points: Vec<Vec3> = held.map(|v| own.positions()[v]).collect();
-        let (blocks, windows) = windows(&points, own.bounds().diagonal(), other, tasks);
+        let (blocks, windows) = windows(&points, own.bounds().diagonal(), other);
         Rim { blocks: blocks.into(), windows: windows.into(), held: Array::default() }
     }
 
@@ -80,12 +77,12 @@ impl Rim {
 
 /// Windows of a mesh's vertices around held points, for a body with this diagonal (m). Returns the index of each
 /// block's windows, and the windows.
-fn windows(held: &[Vec3], diagonal: f32, mesh: &Mesh, tasks: &dyn TaskSystem) -> (Vec<u32>, Vec<WindowBlock>) {
+fn windows(held: &[Vec3], diagonal: f32, mesh: &Mesh) -> (Vec<u32>, Vec<WindowBlock>) {
     if held.is_empty() {
         return Default::default();
     }
     let width = WIDTH * diagonal;
-    let index = VertexIndex::of_points(held, tasks);
+    let index = VertexIndex::of_points(held);
     // Squared distance to the nearest held point, m².
     let nearest = |p: Vec3| index.several::<1>(p).first().map(|(d2, _)| *d2);
     let window = |p: Vec3| {
@@ -98,9 +95,10 @@ fn windows(held: &[Vec3], diagonal: f32, mesh: &Mesh, tasks: &dyn TaskSystem) ->
     };
     let any_near = |b: &Aabb| nearest(b.centre()).is_some_and(|d2| d2.sqrt() <= reach_of(b, width));
     let positions = mesh.positions();
-    let blocks = map_blocks(mesh, tasks, |b, bounds| {
+    let mut all: Vec<WindowBlock> = Vec::new();
+    let blocks = mesh.block_bounds().iter().enumerate().map(|(b, bounds)| {
         if !any_near(bounds) {
-            return None;
+            return Rim::CLEAR;
         }
         let mut block = OPEN;
         for (part, points) in positions[block_range(b, positions.len())].chunks(PART).enumerate() {
@@ -108,23 +106,13 @@ fn windows(held: &[Vec3], diagonal: f32, mesh: &Mesh, tasks: &dyn TaskSystem) ->
                 points.iter().enumerate().for_each(|(i, p)| block[part * PART + i] = window(*p));
             }
         }
-        block.iter().any(|f| *f < 1.0).then_some(block)
-    });
-    let mut all: Vec<WindowBlock> = Vec::new();
-    let blocks = blocks.into_iter().map(|block| {
-        let Some(block) = block else { return Rim::CLEAR };
+        if block == OPEN {
+            return Rim::CLEAR;
+        }
         all.push(block);
         all.len() as u32 - 1
     });
     (blocks.collect(), all)
-}
-
-/// What `f` makes of each block and its bounds.
-fn map_blocks<T: Send>(mesh: &Mesh, tasks: &dyn TaskSystem, f: impl Fn(usize, &Aabb) -> T + Sync) -> Vec<T> {
-    let pieces = mesh.block_bounds().chunks(BLOCKS_A_TASK).zip((0..).step_by(BLOCKS_A_TASK));
-    let made =
-        map(tasks, pieces, |(piece, first)| (first..).zip(piece).map(|(b, bounds)| f(b, bounds)).collect::<Vec<_>>());
-    made.into_iter().flatten().collect()
 }
 
 /// The distance from a box's centre beyond which nothing is within `width` of any point of the box, m. More than
@@ -143,7 +131,7 @@ pub(crate) fn moves(deltas: &Field) -> Vec<bool> {
 }
 
 /// Returns the vertices of the held loops, every vertex at each position.
-fn held(mesh: &Mesh, examples: &[Vec<bool>], tasks: &dyn TaskSystem) -> Vec<u32> {
+fn held(mesh: &Mesh, examples: &[Vec<bool>]) -> Vec<u32> {
     let (triangles, weld) = (mesh.triangles(), mesh.weld());
     let welded = |t: &[u32; 3]| t.map(|v| weld[v as usize]);
     let boundary = boundary(triangles.iter().map(welded), weld.len());
@@ -172,10 +160,9 @@ fn held(mesh: &Mesh, examples: &[Vec<bool>], tasks: &dyn TaskSystem) -> Vec<u32>
     let first = edge.iter().next().map(|r| r.data);
     let single = edge.iter().all(|r| Some(r.data) == first);
     let within = |p: Vec3, distance: f32| edge.locate_within_distance(p.to_array(), distance.powi(2));
-    let close = map_blocks(mesh, tasks, |b, bounds| {
-        let mut beside: Vec<(u32, u32)> = Vec::new();
+    for (b, bounds) in mesh.block_bounds().iter().enumerate() {
         if within(bounds.centre(), reach_of(bounds, width)).next().is_none() {
-            return beside;
+            continue;
         }
         for v in block_range(b, positions.len()).filter(|v| weld[*v] as usize == *v && loops[*v].is_none()) {
             let mut last = None;
@@ -185,9 +172,7 @@ fn held(mesh: &Mesh, examples: &[Vec<bool>], tasks: &dyn TaskSystem) -> Vec<u32>
                 }
             }
         }
-        beside
-    });
-    beside.extend(close.into_iter().flatten());
+    }
     beside.sort_unstable();
     beside.dedup();
     let rim: Vec<(u32, u32)> = loops.iter().zip(0..).filter_map(|(l, v)| l.map(|l| (v, l))).collect();
@@ -245,7 +230,6 @@ fn loops(vertices: usize, boundary: &[(u32, u32)]) -> Vec<Option<u32>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::tasks::Serial;
     use crate::mesh::data::MeshData;
 
     #[test]
@@ -255,7 +239,7 @@ mod tests {
         let (mesh, _) = Mesh::new(mesh).unwrap();
         let held: Vec<Vec3> = (0..70).chain([2500, 2500, 4899]).map(|v| mesh.positions()[v]).collect();
         let diagonal = 12.0;
-        let (blocks, windows) = windows(&held, diagonal, &mesh, &Serial);
+        let (blocks, windows) = windows(&held, diagonal, &mesh);
         assert!(blocks.contains(&Rim::CLEAR) && windows.len() > 3);
         let rim = Rim { blocks: blocks.into(), windows: windows.into(), held: Array::default() };
         for (p, v) in mesh.positions().iter().zip(0..) {

@@ -4,7 +4,6 @@ use super::hit::{Cause, Hit, HitStatus, Outcome, Selection, Space};
 use super::options::InstanceOptions;
 use crate::base::error::{Error, positive};
 use crate::base::math::to_f32;
-use crate::base::tasks::Serial;
 use crate::damage::mark::Mark;
 use crate::damage::told::predicted;
 use crate::example::blow::Blow;
@@ -60,7 +59,7 @@ impl Landing {
         let (mesh, count) = (set.mesh(), set.vertex_count());
         let lowest = |v: usize| if may(v) { mesh.weld()[v] } else { u32::MAX };
         let weld: Vec<u32> = (0..count).map(lowest).collect();
-        let index = weld.iter().any(|w| *w != u32::MAX).then(|| VertexIndex::new(mesh.positions(), &weld, &Serial))?;
+        let index = weld.iter().any(|w| *w != u32::MAX).then(|| VertexIndex::new(mesh.positions(), &weld))?;
         Some(Landing { index, rigid: (0..count).map(is_rigid).collect() })
     }
 }
