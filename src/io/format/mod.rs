@@ -19,7 +19,6 @@ use crate::base::tasks::TaskSystem;
 use crate::example::set::ExampleSet;
 use bytemuck::{Pod, Zeroable};
 use layout::{ALIGN, IN_PLACE, MAGIC};
-use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -32,18 +31,6 @@ struct Line([u8; ALIGN]);
 struct Aligned {
     lines: Vec<Line>,
     length: usize,
-}
-
-impl Aligned {
-    fn new(length: usize) -> Result<Self, Error> {
-        let mut lines = reserve(length.div_ceil(ALIGN), "a baked set")?;
-        lines.resize(length.div_ceil(ALIGN), Line([0; ALIGN]));
-        Ok(Aligned { lines, length })
-    }
-
-    fn as_mut(&mut self) -> &mut [u8] {
-        &mut bytemuck::cast_slice_mut(&mut self.lines)[..self.length]
-    }
 }
 
 impl AsRef<[u8]> for Aligned {
@@ -96,9 +83,11 @@ impl ExampleSet {
     /// # Errors
     /// Those of [`ExampleSet::load`].
     pub fn load_copy(bytes: &[u8], tasks: &dyn TaskSystem) -> Result<Self, Error> {
-        let mut copy = Aligned::new(bytes.len())?;
-        copy.as_mut().copy_from_slice(bytes);
-        load::set(&FileBytes::new(Arc::new(copy)), tasks)
+        let length = bytes.len();
+        let mut lines = reserve(length.div_ceil(ALIGN), "a baked set")?;
+        lines.resize(length.div_ceil(ALIGN), Line([0; ALIGN]));
+        bytemuck::cast_slice_mut(&mut lines)[..length].copy_from_slice(bytes);
+        load::set(&FileBytes::new(Arc::new(Aligned { lines, length })), tasks)
     }
 
     /// Makes a set from a `.crumple` file, which is read into one allocation.
@@ -108,19 +97,7 @@ impl ExampleSet {
     pub fn load_file(path: impl AsRef<Path>, tasks: &dyn TaskSystem) -> Result<Self, Error> {
         let path = path.as_ref();
         let io = |e: std::io::Error| Error::Io { path: path.display().to_string(), message: e.to_string() };
-        let mut file = std::fs::File::open(path).map_err(io)?;
-        let length = file.metadata().map_err(io)?.len();
-        // Pipes and devices report no length.
-        if length == 0 {
-            let mut all = Vec::new();
-            file.read_to_end(&mut all).map_err(io)?;
-            return Self::load(all, tasks);
-        }
-        let length = usize::try_from(length)
-            .map_err(|_| Error::OutOfMemory { what: path.display().to_string(), bytes: length })?;
-        let mut bytes = Aligned::new(length)?;
-        file.read_exact(bytes.as_mut()).map_err(io)?;
-        Self::load(bytes, tasks)
+        Self::load(std::fs::read(path).map_err(io)?, tasks)
     }
 
     /// Returns whether the bytes begin as a `.crumple` file does.
