@@ -64,8 +64,7 @@ extern "C" {
 ///
 /// All kernels have 32 bytes of push constants and three storage buffers: a storage (set 0, binding 0, read), the work
 /// (set 0, binding 1, read) and your vertex buffer from its first byte on (set 1, binding 0, read and written). Errors:
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (a kernel that no dispatch names), CRUMPLE_ERROR_UNSUPPORTED (a build without
-/// CRUMPLE_FEATURE_VULKAN).
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (a kernel that no dispatch names).
 CrumpleResult crumple_graph_get_kernel(uint32_t kernel, void *data, size_t capacity, size_t *out_size);
 
 /// Registers a range of a vertex buffer of your render graph, like crumple_buffer_register_vulkan() but without a Vulkan

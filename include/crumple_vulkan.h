@@ -160,8 +160,7 @@ CrumpleVulkanAttachDef crumple_vulkan_attach_def_default(void);
 /// Attaches your Vulkan device, one per context. The handles must be valid,
 /// belong together, and live until crumple_vulkan_detach() or crumple_context_destroy(). Errors:
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (a device is already attached, a queue family that does not exist or lacks compute, a
-/// bad workgroup_size), CRUMPLE_ERROR_UNSUPPORTED (below Vulkan 1.1, a loader that lacks a function, or a build without
-/// CRUMPLE_FEATURE_VULKAN).
+/// bad workgroup_size), CRUMPLE_ERROR_UNSUPPORTED (below Vulkan 1.1, or a loader that lacks a function).
 CrumpleResult crumple_vulkan_attach(CrumpleContext *context, const CrumpleVulkanAttachDef *def);
 
 /// Detaches the Vulkan device. Unregisters all Vulkan buffers and destroys Crumple's objects on the device. Damage
@@ -215,8 +214,7 @@ CrumpleVulkanOpenDef crumple_vulkan_open_def_default(void);
 /// It may take long. Use it instead of crumple_vulkan_attach(): import buffers, register them,
 /// and write them with crumple_vulkan_submit(). crumple_vulkan_detach() and crumple_context_destroy() wait for the
 /// device and destroy it. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a device is already attached, a bad workgroup_size),
-/// CRUMPLE_ERROR_UNSUPPORTED (no such device, one that cannot import memory, or a build without
-/// CRUMPLE_FEATURE_VULKAN).
+/// CRUMPLE_ERROR_UNSUPPORTED (no such device, or one that cannot import memory).
 CrumpleResult crumple_vulkan_open(CrumpleContext *context, const CrumpleVulkanOpenDef *def);
 
 CrumpleVulkanImportDef crumple_vulkan_import_def_default(void);

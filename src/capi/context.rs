@@ -265,7 +265,6 @@ pub unsafe extern "C" fn crumple_context_destroy(context: *mut CrumpleContext) -
     boundary("crumple_context_destroy", || {
         let found = find(context)?;
         let state = found.enter()?;
-        #[cfg(feature = "vulkan")]
         state.vulkan.as_ref().map_or(Ok(()), super::device::Attached::check_idle)?;
         drop(state);
         let mut contexts = CONTEXTS.write().unwrap_or_else(PoisonError::into_inner);

@@ -1,17 +1,13 @@
 //! Deformation in the host's render graph: Crumple returns what to upload and to dispatch.
-#![cfg_attr(not(feature = "vulkan"), allow(unused_imports, unused_variables))]
 
-use super::boundary::{boundary, built_with};
+use super::boundary::boundary;
 use super::buffer::add_buffer;
-#[cfg(feature = "vulkan")]
 use super::graph_types::GraphState;
 use super::graph_types::{CrumpleGraphDispatch, CrumpleGraphPlan, CrumpleGraphUpload};
-#[cfg(feature = "vulkan")]
 use super::jobs::with_jobs;
 use super::prelude::*;
 use super::store::Memory;
 use super::vulkan_types::{CrumpleRecordReport, CrumpleVulkanBufferDef};
-#[cfg(feature = "vulkan")]
 use crate::graph::{self, GraphBuffer};
 
 /// Returns a compute shader for a render graph that takes SPIR-V, such as Godot's RenderingDevice. It is SPIR-V 1.3
@@ -19,8 +15,7 @@ use crate::graph::{self, GraphBuffer};
 ///
 /// All kernels have 32 bytes of push constants and three storage buffers: a storage (set 0, binding 0, read), the work
 /// (set 0, binding 1, read) and your vertex buffer from its first byte on (set 1, binding 0, read and written). Errors:
-/// CRUMPLE_ERROR_INVALID_ARGUMENT (a kernel that no dispatch names), CRUMPLE_ERROR_UNSUPPORTED (a build without
-/// CRUMPLE_FEATURE_VULKAN).
+/// CRUMPLE_ERROR_INVALID_ARGUMENT (a kernel that no dispatch names).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_graph_get_kernel(
     kernel: u32,
@@ -28,7 +23,7 @@ pub unsafe extern "C" fn crumple_graph_get_kernel(
     capacity: usize,
     out_size: *mut usize,
 ) -> CrumpleResult {
-    built_with!("vulkan", boundary, "crumple_graph_get_kernel", || {
+    boundary("crumple_graph_get_kernel", || {
         let out = Out::new(out_size, "out_size")?;
         let words = graph::kernel(kernel)
             .ok_or_else(|| Failure::invalid(format!("kernel is {kernel}; it must be one of a dispatch")))?;
@@ -47,7 +42,7 @@ pub unsafe extern "C" fn crumple_buffer_register_graph(
     def: *const CrumpleVulkanBufferDef,
     out_buffer: *mut CrumpleBuffer,
 ) -> CrumpleResult {
-    built_with!("vulkan", exclusive, "crumple_buffer_register_graph", context, |_, state| {
+    exclusive("crumple_buffer_register_graph", context, |_, state| {
         let (def, out) = (self::def(def, "def")?, Out::new(out_buffer, "out_buffer")?);
         let owner = &state.instances.get(instance, "instance")?.instance;
         owner.only_marks("a buffer of a render graph")?;
@@ -69,7 +64,7 @@ pub unsafe extern "C" fn crumple_graph_plan(
     out_plan: *mut CrumpleGraphPlan,
     out_report: *mut CrumpleRecordReport,
 ) -> CrumpleResult {
-    built_with!("vulkan", exclusive, "crumple_graph_plan", context, |context, state| {
+    exclusive("crumple_graph_plan", context, |context, state| {
         let outs = (Out::new(out_plan, "out_plan")?, Out::optional(out_report, "out_report")?);
         let State { instances, buffers: entries, graph, graph_jobs, vertex_budget, .. } = state;
         let GraphState { graph, uploads, dispatches } = graph;

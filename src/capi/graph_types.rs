@@ -54,7 +54,6 @@ pub struct CrumpleGraphPlan {
 }
 
 /// A context's render graph, and what its last plan returned.
-#[cfg(feature = "vulkan")]
 #[derive(Default)]
 pub(super) struct GraphState {
     pub(super) graph: crate::graph::Graph,

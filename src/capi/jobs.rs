@@ -6,7 +6,6 @@ use super::store::{BufferEntry, Buffers, Instances, JobList, Memory};
 use super::types::CrumpleBuffer;
 use crate::base::memory::may_fail;
 use crate::base::tasks::TaskSystem;
-#[cfg(feature = "vulkan")]
 use crate::gpu::Job;
 use crate::instance::Instance;
 use crate::instance::deform::{DeformJob, fold_all};
@@ -35,7 +34,6 @@ impl BufferJob for DeformJob<'static, 'static> {
     }
 }
 
-#[cfg(feature = "vulkan")]
 impl BufferJob for Job<'static, crate::vulkan::Target> {
     type Of<'a> = Job<'a, crate::vulkan::Target>;
 
@@ -49,7 +47,6 @@ impl BufferJob for Job<'static, crate::vulkan::Target> {
     }
 }
 
-#[cfg(feature = "vulkan")]
 impl BufferJob for Job<'static, crate::graph::Target> {
     type Of<'a> = Job<'a, crate::graph::Target>;
 

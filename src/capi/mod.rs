@@ -18,7 +18,6 @@
 //! their rules. It does not change during the call. Registered memory, devices and what they load stay as long as the header asks.
 //! The bodies of these functions rely on nothing else.
 #![allow(unsafe_op_in_unsafe_fn)]
-#![cfg_attr(not(feature = "vulkan"), allow(irrefutable_let_patterns))]
 
 mod allocator;
 mod authoring;
@@ -32,7 +31,6 @@ mod contacts;
 mod context;
 mod damage;
 mod deform;
-#[cfg(feature = "vulkan")]
 mod device;
 mod graph;
 mod graph_types;

@@ -112,7 +112,7 @@ impl Failure {
         Error::Mesh { what: what.into() }.into()
     }
 
-    #[cfg(not(all(feature = "gltf", feature = "obj", feature = "vulkan")))]
+    #[cfg(not(all(feature = "gltf", feature = "obj")))]
     pub(super) fn not_built(feature: &str) -> Self {
         let message = format!("this build cannot: build the library with the feature {feature}");
         Self::new(CrumpleResult::CrumpleErrorUnsupported, message)

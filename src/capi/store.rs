@@ -1,8 +1,6 @@
 //! What a context holds: example sets, instances and buffers, by id.
 
-#[cfg(feature = "vulkan")]
 use super::device::Attached;
-#[cfg(feature = "vulkan")]
 use super::graph_types::GraphState;
 use super::ids::Slots;
 use super::memory::HostMemory;
@@ -10,7 +8,6 @@ use super::result::Failure;
 use super::types::{CrumpleBuffer, CrumpleExampleSet, CrumpleInstance};
 use crate::deform::Tracker;
 use crate::example::set::ExampleSet;
-#[cfg(feature = "vulkan")]
 use crate::gpu::Job;
 use crate::instance::Instance;
 use crate::instance::deform::DeformJob;
@@ -130,9 +127,7 @@ pub(super) struct BufferEntry {
 /// Where a buffer's vertices are.
 pub(super) enum Memory {
     Host(HostMemory, Tracker),
-    #[cfg(feature = "vulkan")]
     Vulkan(crate::vulkan::Target),
-    #[cfg(feature = "vulkan")]
     Graph(crate::graph::Target),
 }
 
@@ -141,9 +136,7 @@ impl Memory {
     pub(super) fn written_elsewhere(&self, name: &str) -> Failure {
         let what = match self {
             Memory::Host(..) => "is a host buffer; crumple_context_deform() writes those",
-            #[cfg(feature = "vulkan")]
             Memory::Vulkan(_) => "is a Vulkan buffer; crumple_vulkan_record() writes those",
-            #[cfg(feature = "vulkan")]
             Memory::Graph(_) => "is a buffer of a render graph; crumple_graph_plan() writes those",
         };
         Failure::invalid(format!("{name} {what}"))
@@ -153,9 +146,7 @@ impl Memory {
     pub(super) fn tracker(&self) -> &Tracker {
         match self {
             Memory::Host(_, tracker) => tracker,
-            #[cfg(feature = "vulkan")]
             Memory::Vulkan(target) => &target.state.tracker,
-            #[cfg(feature = "vulkan")]
             Memory::Graph(target) => &target.state.tracker,
         }
     }
@@ -164,9 +155,7 @@ impl Memory {
     pub(super) fn invalidate(&mut self) {
         match self {
             Memory::Host(_, tracker) => tracker.invalidate(),
-            #[cfg(feature = "vulkan")]
             Memory::Vulkan(target) => target.invalidate(),
-            #[cfg(feature = "vulkan")]
             Memory::Graph(target) => target.invalidate(),
         }
     }
@@ -198,13 +187,9 @@ pub(super) struct State {
     /// The time for dents that grow, s.
     pub(super) time: f64,
     pub(super) host_jobs: JobList<DeformJob<'static, 'static>>,
-    #[cfg(feature = "vulkan")]
     pub(super) vulkan: Option<Attached>,
-    #[cfg(feature = "vulkan")]
     pub(super) vulkan_jobs: JobList<Job<'static, crate::vulkan::Target>>,
-    #[cfg(feature = "vulkan")]
     pub(super) graph: GraphState,
-    #[cfg(feature = "vulkan")]
     pub(super) graph_jobs: JobList<Job<'static, crate::graph::Target>>,
 }
 
@@ -218,13 +203,9 @@ impl State {
             vertex_budget: u64::MAX,
             time: 0.0,
             host_jobs: JobList::default(),
-            #[cfg(feature = "vulkan")]
             vulkan: None,
-            #[cfg(feature = "vulkan")]
             vulkan_jobs: JobList::default(),
-            #[cfg(feature = "vulkan")]
             graph: GraphState::default(),
-            #[cfg(feature = "vulkan")]
             graph_jobs: JobList::default(),
         }
     }
@@ -240,7 +221,6 @@ impl State {
         if let Ok(owner) = self.instances.get_mut(entry.owner, "instance") {
             owner.buffers.retain(|b| *b != buffer);
         }
-        #[cfg(feature = "vulkan")]
         if let (Memory::Vulkan(target), Some(vulkan)) = (entry.memory, &mut self.vulkan) {
             vulkan.remove(target)?;
         }

@@ -55,5 +55,5 @@ pub extern "C" fn crumple_features() -> u64 {
     bit(cfg!(feature = "gltf"), CRUMPLE_FEATURE_GLTF)
         | bit(cfg!(feature = "obj"), CRUMPLE_FEATURE_OBJ)
         | bit(cfg!(feature = "host-allocator"), CRUMPLE_FEATURE_HOST_ALLOCATOR)
-        | bit(cfg!(feature = "vulkan"), CRUMPLE_FEATURE_VULKAN)
+        | CRUMPLE_FEATURE_VULKAN
 }

@@ -1,11 +1,7 @@
 //! Deformation on a graphics device: recorded into the host's own Vulkan command buffers, or submitted by a device of Crumple's.
-#![cfg_attr(not(feature = "vulkan"), allow(unused_imports, unused_variables))]
 
-use super::boundary::built_with;
 use super::buffer::add_buffer;
-#[cfg(feature = "vulkan")]
 use super::device::{Attached, Kind, shared};
-#[cfg(feature = "vulkan")]
 use super::jobs::with_jobs;
 use super::prelude::*;
 use super::store::Memory;
@@ -13,7 +9,6 @@ use super::vulkan_types::{
     CrumpleHandleType, CrumpleRecordReport, CrumpleVulkanAttachDef, CrumpleVulkanBufferDef, CrumpleVulkanImportDef,
     CrumpleVulkanOpenDef,
 };
-#[cfg(feature = "vulkan")]
 use crate::vulkan::{Job, SemaphoreId, Target, vk, vk::Handle};
 
 #[unsafe(no_mangle)]
@@ -24,14 +19,13 @@ pub extern "C" fn crumple_vulkan_attach_def_default() -> CrumpleVulkanAttachDef 
 /// Attaches your Vulkan device, one per context. The handles must be valid,
 /// belong together, and live until crumple_vulkan_detach() or crumple_context_destroy(). Errors:
 /// CRUMPLE_ERROR_INVALID_ARGUMENT (a device is already attached, a queue family that does not exist or lacks compute, a
-/// bad workgroup_size), CRUMPLE_ERROR_UNSUPPORTED (below Vulkan 1.1, a loader that lacks a function, or a build without
-/// CRUMPLE_FEATURE_VULKAN).
+/// bad workgroup_size), CRUMPLE_ERROR_UNSUPPORTED (below Vulkan 1.1, or a loader that lacks a function).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_attach(
     context: *mut CrumpleContext,
     def: *const CrumpleVulkanAttachDef,
 ) -> CrumpleResult {
-    built_with!("vulkan", exclusive, "crumple_vulkan_attach", context, |_, state| {
+    exclusive("crumple_vulkan_attach", context, |_, state| {
         let def = self::def(def, "def")?;
         attach(state, (def.pipeline_cache, def.pipeline_cache_size), |cache| Kind::hosts_own(&def, cache))
     })
@@ -43,7 +37,7 @@ pub unsafe extern "C" fn crumple_vulkan_attach(
 /// changed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_detach(context: *mut CrumpleContext) -> CrumpleResult {
-    built_with!("vulkan", exclusive, "crumple_vulkan_detach", context, |_, state| {
+    exclusive("crumple_vulkan_detach", context, |_, state| {
         attached(state)?.check_idle()?;
         let of_vulkan = state.buffers.iter().filter(|(_, entry)| matches!(entry.memory, Memory::Vulkan(_)));
         let theirs: Vec<_> = of_vulkan.map(|(id, _)| id).collect();
@@ -62,7 +56,7 @@ pub unsafe extern "C" fn crumple_vulkan_get_pipeline_cache(
     capacity: usize,
     out_size: *mut usize,
 ) -> CrumpleResult {
-    built_with!("vulkan", exclusive, "crumple_vulkan_get_pipeline_cache", context, |_, state| {
+    exclusive("crumple_vulkan_get_pipeline_cache", context, |_, state| {
         let out = Out::new(out_size, "out_size")?;
         write_array(&attached(state)?.device.device().pipeline_cache_data()?, data.cast::<u8>(), capacity, "data", out)
     })
@@ -97,7 +91,7 @@ pub unsafe extern "C" fn crumple_buffer_register_vulkan(
     def: *const CrumpleVulkanBufferDef,
     out_buffer: *mut CrumpleBuffer,
 ) -> CrumpleResult {
-    built_with!("vulkan", exclusive, "crumple_buffer_register_vulkan", context, |_, state| {
+    exclusive("crumple_buffer_register_vulkan", context, |_, state| {
         let (def, out) = (self::def(def, "def")?, Out::new(out_buffer, "out_buffer")?);
         let owner = &state.instances.get(instance, "instance")?.instance;
         let vulkan = state.vulkan.as_mut().ok_or_else(not_attached)?;
@@ -128,7 +122,7 @@ pub unsafe extern "C" fn crumple_vulkan_record(
     count: u32,
     out_report: *mut CrumpleRecordReport,
 ) -> CrumpleResult {
-    built_with!("vulkan", exclusive, "crumple_vulkan_record", context, |context, state| {
+    exclusive("crumple_vulkan_record", context, |context, state| {
         let out = Out::optional(out_report, "out_report")?;
         if command_buffer.is_null() {
             return Err(Failure::null("command_buffer"));
@@ -146,7 +140,7 @@ pub unsafe extern "C" fn crumple_vulkan_record(
 /// that frame.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_complete_frames(context: *mut CrumpleContext, frame: u64) -> CrumpleResult {
-    built_with!("vulkan", exclusive, "crumple_vulkan_complete_frames", context, |_, state| {
+    exclusive("crumple_vulkan_complete_frames", context, |_, state| {
         attached(state)?.device.hosts("crumple_vulkan_complete_frames()")?.completed(frame);
         Ok(())
     })
@@ -156,7 +150,7 @@ pub unsafe extern "C" fn crumple_vulkan_complete_frames(context: *mut CrumpleCon
 /// their buffers.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_discard_frames(context: *mut CrumpleContext, frame: u64) -> CrumpleResult {
-    built_with!("vulkan", exclusive, "crumple_vulkan_discard_frames", context, |_, state| {
+    exclusive("crumple_vulkan_discard_frames", context, |_, state| {
         attached(state)?.device.hosts("crumple_vulkan_discard_frames()")?.discard(frame);
         for (_, entry) in state.buffers.iter_mut() {
             if let Memory::Vulkan(target) = &mut entry.memory
@@ -178,14 +172,13 @@ pub extern "C" fn crumple_vulkan_open_def_default() -> CrumpleVulkanOpenDef {
 /// It may take long. Use it instead of crumple_vulkan_attach(): import buffers, register them,
 /// and write them with crumple_vulkan_submit(). crumple_vulkan_detach() and crumple_context_destroy() wait for the
 /// device and destroy it. Errors: CRUMPLE_ERROR_INVALID_ARGUMENT (a device is already attached, a bad workgroup_size),
-/// CRUMPLE_ERROR_UNSUPPORTED (no such device, one that cannot import memory, or a build without
-/// CRUMPLE_FEATURE_VULKAN).
+/// CRUMPLE_ERROR_UNSUPPORTED (no such device, or one that cannot import memory).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_open(
     context: *mut CrumpleContext,
     def: *const CrumpleVulkanOpenDef,
 ) -> CrumpleResult {
-    built_with!("vulkan", exclusive, "crumple_vulkan_open", context, |_, state| {
+    exclusive("crumple_vulkan_open", context, |_, state| {
         let def = self::def(def, "def")?;
         attach(state, (def.pipeline_cache, def.pipeline_cache_size), |cache| Kind::open(&def, cache))
     })
@@ -208,7 +201,7 @@ pub unsafe extern "C" fn crumple_vulkan_import_buffer(
     def: *const CrumpleVulkanImportDef,
     out_buffer: *mut u64,
 ) -> CrumpleResult {
-    built_with!("vulkan", exclusive, "crumple_vulkan_import_buffer", context, |_, state| {
+    exclusive("crumple_vulkan_import_buffer", context, |_, state| {
         let (def, out) = (self::def(def, "def")?, Out::new(out_buffer, "out_buffer")?);
         out.answer(attached(state)?.import_buffer(&def)?)
     })
@@ -217,8 +210,7 @@ pub unsafe extern "C" fn crumple_vulkan_import_buffer(
 /// Releases an imported buffer once the device is done with it. CRUMPLE_ERROR_INVALID_ARGUMENT: it still has ranges.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn crumple_vulkan_unimport_buffer(context: *mut CrumpleContext, buffer: u64) -> CrumpleResult {
-    built_with!("vulkan", exclusive, "crumple_vulkan_unimport_buffer", context, |_, state| attached(state)?
-        .release_buffer(buffer))
+    exclusive("crumple_vulkan_unimport_buffer", context, |_, state| attached(state)?.release_buffer(buffer))
 }
 
 /// Imports a binary semaphore of your device, exported with this handle type. Pass out_semaphore to
@@ -232,7 +224,7 @@ pub unsafe extern "C" fn crumple_vulkan_import_semaphore(
     handle: i64,
     out_semaphore: *mut u64,
 ) -> CrumpleResult {
-    built_with!("vulkan", exclusive, "crumple_vulkan_import_semaphore", context, |_, state| {
+    exclusive("crumple_vulkan_import_semaphore", context, |_, state| {
         let out = Out::new(out_semaphore, "out_semaphore")?;
         let shared = shared(enumerator(handle_type, "handle_type")?, handle);
         let own = attached(state)?.device.own("crumple_vulkan_import_semaphore()")?;
@@ -257,7 +249,7 @@ pub unsafe extern "C" fn crumple_vulkan_submit(
     out_frame: *mut u64,
     out_report: *mut CrumpleRecordReport,
 ) -> CrumpleResult {
-    built_with!("vulkan", exclusive, "crumple_vulkan_submit", context, |context, state| {
+    exclusive("crumple_vulkan_submit", context, |context, state| {
         let outs = (Out::optional(out_frame, "out_frame")?, Out::optional(out_report, "out_report")?);
         let waits = array(waits, wait_count as usize, "waits")?;
         let signals = array(signals, signal_count as usize, "signals")?;
@@ -280,14 +272,13 @@ pub unsafe extern "C" fn crumple_vulkan_wait_frame(
     timeout: u64,
     out_done: *mut bool,
 ) -> CrumpleResult {
-    built_with!("vulkan", exclusive, "crumple_vulkan_wait_frame", context, |_, state| {
+    exclusive("crumple_vulkan_wait_frame", context, |_, state| {
         let out = Out::new(out_done, "out_done")?;
         out.answer(attached(state)?.device.own("crumple_vulkan_wait_frame()")?.wait(frame, timeout)?)
     })
 }
 
 /// Attaches the device that `make` makes with the data of a pipeline cache.
-#[cfg(feature = "vulkan")]
 unsafe fn attach(
     state: &mut State,
     (cache, size): (*const c_void, usize),
@@ -301,7 +292,6 @@ unsafe fn attach(
 }
 
 /// Calls `f` with the device and a job for each of the chosen buffers.
-#[cfg(feature = "vulkan")]
 unsafe fn with_device<R>(
     context: &Context,
     state: &mut State,
@@ -314,12 +304,10 @@ unsafe fn with_device<R>(
     with_jobs(&context.tasks, (instances, entries), vulkan_jobs, given, |jobs| f(device, jobs))
 }
 
-#[cfg(feature = "vulkan")]
 fn attached(state: &mut State) -> Result<&mut Attached, Failure> {
     state.vulkan.as_mut().ok_or_else(not_attached)
 }
 
-#[cfg(feature = "vulkan")]
 fn not_attached() -> Failure {
     Failure::invalid("no Vulkan device is attached; crumple_vulkan_attach() or crumple_vulkan_open() first")
 }

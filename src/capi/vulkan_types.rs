@@ -113,7 +113,6 @@ pub struct CrumpleRecordReport {
     pub reserved: [u64; 3],
 }
 
-#[cfg(feature = "vulkan")]
 impl From<crate::gpu::FrameReport> for CrumpleRecordReport {
     fn from(report: crate::gpu::FrameReport) -> Self {
         CrumpleRecordReport {
