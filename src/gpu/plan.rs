@@ -199,7 +199,7 @@ impl<B: Copy + Ord> Plan<B> {
             let shown = Shown { view, mesh, target };
             let case = if planned.key.classic.is_some() { Case::Classic } else { Case::Nodes };
             planned.bounds = match (view.shape, instance.classic_state()) {
-                (Shape::Nodes(nodes), _) => self.work.add_nodes(shown, &nodes, &planned.blocks),
+                (Shape::Nodes(nodes), _) => self.work.add_nodes(shown, planned.job, &nodes, &planned.blocks),
                 (_, Some(state)) => {
                     let since = target.tracker.since(view.changes, lod);
                     let with_normals = target.layout.kernel() > Kernel::Positions;
@@ -225,10 +225,11 @@ impl<B: Copy + Ord> Plan<B> {
             let what = format!("{vertices} vertices in one frame; at most 4294967295");
             return Err(Error::Unsupported { what });
         }
-        let (words, lists) = self.work.layout()?;
+        let (words, [nodes, classic]) = self.work.layout()?;
         self.words = words;
         for d in &mut self.dispatches {
-            (d.call, d.groups) = lists.of(&d.blocks, d.variant.vertices(self.workgroup), self.most_groups);
+            let call = if d.classic() { classic } else { nodes };
+            (d.call, d.groups) = call.of(&d.blocks, d.variant.vertices(self.workgroup), self.most_groups);
         }
         Ok(report)
     }
@@ -241,9 +242,13 @@ impl<B: Copy + Ord> Plan<B> {
         self.waiting = waiting(self.budget, states.zip(&views).map(|(s, view)| (&s.tracker, view, s.mesh.lod)));
     }
 
-    /// Writes the frame's data.
-    pub(crate) fn write(&self, to: &mut [u32]) {
-        self.work.write(to);
+    /// Writes the frame's data. The jobs are those that were planned.
+    pub(crate) fn write<S, X>(&self, jobs: &[Job<'_, Target<B, S, X>>], to: &mut [u32]) {
+        let steps = |job: usize| match jobs[job].instance.view().shape {
+            Shape::Nodes(nodes) => nodes.steps,
+            Shape::Vertices(_) => &[],
+        };
+        self.work.write(steps, to);
     }
 
     /// Notes what each target will hold once the frame has run. Returns the number of vertices. `frame` is 0 on backends that do not

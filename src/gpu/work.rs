@@ -10,7 +10,7 @@ use crate::basis::{ONE, TILE};
 use crate::classic::ClassicState;
 use crate::deform::view::{DamageView, NodeSteps, NodeView, may_reach};
 use crate::example::mesh_lod::MeshLod;
-use bytemuck::{Pod, Zeroable, cast, cast_slice, cast_slice_mut};
+use bytemuck::{Pod, Zeroable, cast_slice, cast_slice_mut};
 use glam::Vec3;
 use std::ops::Range;
 
@@ -25,10 +25,21 @@ const TILES: usize = BLOCK_VERTICES as usize / TILE;
 pub(super) struct FrameWork {
     blocks: Vec<BlockWork>,
     targets: Vec<TargetWork>,
-    /// For each target the nodes that its blocks follow, two a row. For a classic rule [`ClassicHit`]s.
-    parts: Vec<Row>,
+    /// For each target whose vertices follow nodes, which of them, two a row; and all of these rows.
+    followed: Vec<Followed>,
+    node_rows: u32,
+    /// Hits of classic rules.
+    hits: Vec<ClassicHit>,
     /// States of vertices under a classic rule: position and, where a kernel writes normals, normal.
     states: Vec<[f32; 3]>,
+}
+
+/// The nodes that a job's blocks follow.
+#[derive(Debug)]
+struct Followed {
+    job: usize,
+    /// Rows of the body's nodes, two each.
+    rows: Range<u32>,
 }
 
 /// A target, and the damage that it shows.
@@ -43,31 +54,37 @@ impl FrameWork {
     pub(super) fn clear(&mut self) {
         self.blocks.clear();
         self.targets.clear();
-        self.parts.clear();
+        self.followed.clear();
+        self.node_rows = 0;
+        self.hits.clear();
         self.states.clear();
     }
 
-    /// The size of the lists in words, and a call with their first rows.
+    /// The size of the lists in words, and calls with their first rows: of dispatches whose vertices follow nodes, and of classic rules.
     ///
     /// # Errors
     /// [`Error::Unsupported`] for 2^32 bytes or more.
-    pub(super) fn layout(&self) -> Result<(usize, Call), Error> {
+    pub(super) fn layout(&self) -> Result<(usize, [Call; 2]), Error> {
         let rows = |bytes: usize| bytes.div_ceil(size_of::<Row>());
         let targets = rows(size_of_val(&self.blocks[..]));
-        let parts = targets + rows(size_of_val(&self.targets[..]));
-        let states = parts + self.parts.len();
+        let nodes = targets + rows(size_of_val(&self.targets[..]));
+        let hits = nodes + self.node_rows as usize;
+        let states = hits + rows(size_of_val(&self.hits[..]));
         let words = ROW_WORDS * (states + rows(size_of_val(&self.states[..])));
         let bytes = 4 * words as u64;
         if bytes > u64::from(u32::MAX) {
             let what = format!("{bytes} bytes for the work of a frame; at most 4294967295");
             return Err(Error::Unsupported { what });
         }
-        let [targets, parts, states] = [targets, parts, states].map(|row| row as u32);
-        Ok((words, Call { targets, parts, states, ..Call::zeroed() }))
+        let [targets, nodes, hits, states] = [targets, nodes, hits, states].map(|row| row as u32);
+        Ok((words, [nodes, hits].map(|parts| Call { targets, parts, states, ..Call::zeroed() })))
     }
 
     /// Writes the lists one after another, each from a row on.
-    pub(super) fn write(&self, to: &mut [u32]) {
+    ///
+    /// `steps` has the displacements of all nodes of a job's body. They are as many bytes as everything else several times over, so that they
+    /// are copied once, to where the device reads them.
+    pub(super) fn write<'s>(&self, steps: impl Fn(usize) -> &'s [NodeSteps], to: &mut [u32]) {
         fn put<'a, T: Pod>(to: &'a mut [u32], list: &[T]) -> &'a mut [u32] {
             let words: &[u32] = cast_slice(list);
             let (here, after) = to.split_at_mut(words.len().next_multiple_of(ROW_WORDS));
@@ -76,8 +93,17 @@ impl FrameWork {
             after
         }
         let to = put(to, &self.blocks);
-        let to = put(to, &self.targets);
-        let to = put(to, &self.parts);
+        let mut to = put(to, &self.targets);
+        for Followed { job, rows } in &self.followed {
+            let (here, after) = to.split_at_mut(ROW_WORDS * rows.len());
+            let here: &mut [NodeSteps] = cast_slice_mut(here);
+            let steps = steps(*job).get(2 * rows.start as usize..).unwrap_or_default();
+            let (moved, rest) = here.split_at_mut(steps.len().min(here.len()));
+            moved.copy_from_slice(&steps[..moved.len()]);
+            rest.fill([0; 4]);
+            to = after;
+        }
+        let to = put(to, &self.hits);
         put(to, &self.states);
     }
 
@@ -96,7 +122,13 @@ impl FrameWork {
 
     /// Adds a target of an instance whose vertices follow nodes: the displacements of the nodes from the first to the last that these
     /// blocks of it follow. Returns a box that holds its vertices.
-    pub(super) fn add_nodes(&mut self, shown: Shown<'_>, nodes: &NodeView<'_>, blocks: &Range<usize>) -> Aabb {
+    pub(super) fn add_nodes(
+        &mut self,
+        shown: Shown<'_>,
+        job: usize,
+        nodes: &NodeView<'_>,
+        blocks: &Range<usize>,
+    ) -> Aabb {
         let (rows, mut first, mut end) = (&shown.mesh.rows, u32::MAX, 0);
         for block in self.listed(blocks) {
             let tiles = block * TILES..((block + 1) * TILES).min(rows.tiles.len());
@@ -106,12 +138,9 @@ impl FrameWork {
         }
         // Two nodes a row.
         let (first, end) = ((first / 2).min(end.div_ceil(2)), end.div_ceil(2));
-        let begin = self.parts.len();
-        self.parts.resize(begin + (end - first) as usize, [0; 4]);
-        if let Some(from) = nodes.steps.get(2 * first as usize..) {
-            let to: &mut [NodeSteps] = cast_slice_mut(&mut self.parts[begin..]);
-            to.iter_mut().zip(from).for_each(|(to, from)| *to = *from);
-        }
+        let begin = self.node_rows;
+        self.node_rows += end - first;
+        self.followed.push(Followed { job, rows: first..end });
         let longest = f32::from(nodes.farthest) * nodes.step * (shown.target.mesh.parts.most as f32 / ONE as f32);
         let limit = Some(shown.view.depth_limit).filter(|limit| may_reach(longest, *limit));
         self.targets.push(TargetWork {
@@ -119,7 +148,7 @@ impl FrameWork {
             flags: if limit.is_some() { LIMITED } else { 0 },
             node_step: nodes.step,
             // The kernel counts rows from the body's first node on.
-            parts_begin: (begin as u32).wrapping_sub(first),
+            parts_begin: begin.wrapping_sub(first),
             tiles: shown.target.mesh.at + shown.target.mesh.parts.tiles,
             ..shown.work(longest)
         });
@@ -138,18 +167,18 @@ impl FrameWork {
         since: Option<u64>,
     ) -> Aabb {
         let Shown { view, mesh, target } = shown;
-        let (begin, mut given, mut flags) = (self.parts.len() as u32, NONE, 0);
+        let (begin, mut given, mut flags) = (self.hits.len() as u32, NONE, 0);
         let all = 0..mesh.vertex_count();
         match since.and_then(|epoch| state.applied_since(epoch)) {
             Some(hits) => {
                 for hit in hits {
                     let steps = mesh.anchored[hit.example as usize].steps;
-                    self.parts.push(cast(ClassicHit {
+                    self.hits.push(ClassicHit {
                         example: target.mesh.at + target.mesh.parts.examples[hit.example as usize],
                         position_step: steps.position,
                         normal_step: steps.normal,
                         weight: hit.weight,
-                    }));
+                    });
                 }
             }
             None if view.changes.blocks[0].iter().all(|changed| *changed == 0) => flags = AT_REST,
@@ -167,7 +196,7 @@ impl FrameWork {
             limit: blend_constant,
             flags,
             parts_begin: begin,
-            parts_end: self.parts.len() as u32,
+            parts_end: self.hits.len() as u32,
             given_state: given,
             ..shown.work(f32::INFINITY)
         });

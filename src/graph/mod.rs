@@ -164,7 +164,7 @@ impl Graph {
             let failed = |_| Error::OutOfMemory { what: "the work of a frame".into(), bytes };
             work.try_reserve(words).map_err(failed)?;
             work.resize(words, 0);
-            self.plan.write(work);
+            self.plan.write(jobs, work);
             for d in &self.plan.dispatches {
                 let mut constants = [0; 8];
                 constants[..7].copy_from_slice(&bytemuck::cast::<Call, [u32; 7]>(d.call));

@@ -58,7 +58,7 @@ impl Device {
         self.add_states(jobs)?;
         let mut report = self.plan.fill(jobs)?;
         if report.blocks_written > 0 {
-            let slot = self.fill_slot()?;
+            let slot = self.fill_slot(jobs)?;
             report.bytes_copied = self.commands((commands, frame), Some(slot), jobs)?;
         } else if !self.barriers.foreign.is_empty() {
             self.commands((commands, frame), None, jobs)?;
@@ -98,7 +98,7 @@ impl Device {
     }
 
     /// Takes a slot, writes the frame's data into it, and adds the descriptor sets that it lacks.
-    fn fill_slot(&mut self) -> Result<usize, Error> {
+    fn fill_slot(&mut self, jobs: &[Job<'_, Target>]) -> Result<usize, Error> {
         let words = self.plan.words;
         let index = FrameSlot::free(&mut self.slots, &self.gpu, self.completed, 4 * words as u64)?;
         let slot = &mut self.slots[index];
@@ -106,7 +106,7 @@ impl Device {
             let chunk = dispatch.key.chunk;
             slot.add_set(&self.pipelines, chunk, self.arena.buffer(chunk))?;
         }
-        slot.staging.write(words, |to| self.plan.write(to))?;
+        slot.staging.write(words, |to| self.plan.write(jobs, to))?;
         Ok(index)
     }
 

@@ -38,7 +38,7 @@ impl Device {
         })?;
         let mut report = self.plan.fill(jobs)?;
         if report.blocks_written > 0 {
-            self.write_words();
+            self.write_words(jobs);
             report.bytes_copied = 4 * self.words.len() as u64;
             self.belt.reserve(&self.gpu, report.bytes_copied)?;
             for dispatch in &self.plan.dispatches {
@@ -81,12 +81,12 @@ impl Device {
     }
 
     /// Writes the frame's data and behind it the calls of its dispatches, of which there are some.
-    fn write_words(&mut self) {
+    fn write_words(&mut self, jobs: &[Job<'_, Target>]) {
         let last = self.call_at(self.plan.dispatches.len() - 1);
         let mut words = std::mem::take(&mut self.words);
         words.clear();
         words.resize(last + CALL_WORDS, 0);
-        self.plan.write(&mut words);
+        self.plan.write(jobs, &mut words);
         for (i, d) in self.plan.dispatches.iter().enumerate() {
             words[self.call_at(i)..][..CALL_WORDS].copy_from_slice(cast_ref::<Call, [u32; CALL_WORDS]>(&d.call));
         }

@@ -4,7 +4,7 @@
 use std::os::fd::{AsRawFd, FromRawFd, OwnedFd};
 
 use ash::khr;
-use crumple::vulkan::{BufferId, ImportDef, OwnDevice, OwnDeviceDef, Job, SemaphoreId, Shared, vk};
+use crumple::vulkan::{BufferId, ImportDef, Job, OwnDevice, OwnDeviceDef, SemaphoreId, Shared, vk};
 use crumple::{Error, ErrorKind};
 
 use crate::gpu::compare::Expected;
