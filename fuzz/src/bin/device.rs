@@ -14,7 +14,7 @@ use layout::TestLayout;
 /// What the comparison of the tests needs.
 mod backend {
     use crumple::vulkan::vk;
-    pub use crumple::vulkan::{Attribute, Encoding, Stream, encode};
+    pub use crumple::vulkan::{Attribute, Encoding, Stream};
     use crumple::vulkan::{BufferId, TargetDef};
 
     pub type BufferRef<'a> = BufferId;
@@ -35,6 +35,8 @@ mod backend {
 #[allow(dead_code)]
 #[path = "../../../tests/gpu/compare.rs"]
 mod compare;
+#[path = "../../../tests/gpu/encode.rs"]
+mod encode;
 #[path = "../../../tests/gpu/engine.rs"]
 mod engine;
 #[allow(dead_code)]
