@@ -1,9 +1,9 @@
 //! What a predictor learns from, and the points where it predicts.
 
 use super::Blow;
-use super::stamp::Frames;
+use super::stamp::{Frames, Places};
 use crate::base::math::Aabb;
-use crate::basis::field::{GROUP, Group};
+use crate::basis::field::GROUP;
 use crate::mesh::mirror::Mirror;
 use glam::Vec3;
 
@@ -22,31 +22,13 @@ pub struct Body {
     pub(super) frames: Frames,
 }
 
-/// Successive points, side by side. What is missing of the last group is infinitely far away.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Places {
-    /// m.
-    pub points: Group,
-    /// Unit normals, out of the body; zero where there is none.
-    pub normals: Group,
-    /// How much of what is carried to each point it takes: 1, and less towards held rims.
-    pub held: [f32; GROUP],
-}
-
 impl Body {
     /// A body of points with as many unit normals, the shares that points take of what is carried to them (none: all of it), and its planes
     /// of symmetry through `centre`.
     pub fn new(points: &[Vec3], normals: &[Vec3], held: &[f32], mirror: Mirror, centre: Vec3) -> Self {
         let diagonal = f64::from(Aabb::of(points).diagonal()).max(1e-9);
-        let side_by_side = |of: &[Vec3], first: usize, none: f32| -> Group {
-            [0, 1, 2].map(|k| std::array::from_fn(|i| of.get(first + i).map_or(none, |v| v[k])))
-        };
-        let places = (0..points.len()).step_by(GROUP).map(|first| Places {
-            points: side_by_side(points, first, f32::INFINITY),
-            normals: side_by_side(normals, first, 0.0),
-            held: std::array::from_fn(|i| held.get(first + i).copied().unwrap_or(1.0)),
-        });
-        Self { count: points.len(), places: places.collect(), mirror, centre, diagonal, frames: Frames::of(normals) }
+        let places = Places::of(points, normals, held);
+        Self { count: points.len(), places, mirror, centre, diagonal, frames: Frames::of(normals) }
     }
 
     /// Where displacements are given and wanted, m.

@@ -236,7 +236,7 @@ impl Data<'_> {
         // is multiplied by its width.
         let stamps = map(tasks, 0..n, |i| {
             let at = |v: usize| Vec3::from_slice(&unit[i * columns + 3 * v..]);
-            let mut stamp = view(i).resample(&self.body, at);
+            let mut stamp = view(i).resample(&self.body.places, at);
             stamp.iter_mut().for_each(|x| *x *= wide(i) as f32);
             stamp
         });

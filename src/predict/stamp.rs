@@ -1,6 +1,5 @@
 //! Frames of contacts, and a field resampled into a grid there.
 
-use super::body::{Body, Places};
 use super::linear::Banded;
 use crate::base::math::{small_floor, small_whole, transposed};
 use crate::basis::field::{GROUP, Group};
@@ -77,6 +76,32 @@ impl Frames {
         let v = m.cross(n);
         let turn = |x: DVec3| x * c + v.cross(x) + v * (v.dot(x) / (1.0 + c));
         DMat3::from_cols(turn(frame.x_axis), turn(frame.y_axis), turn(frame.z_axis))
+    }
+}
+
+/// Successive points, side by side. What is missing of the last group is infinitely far away.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Places {
+    /// m.
+    pub points: Group,
+    /// Unit normals, out of the body; zero where there is none.
+    pub normals: Group,
+    /// How much of what is carried to each point it takes: 1, and less towards held rims.
+    pub held: [f32; GROUP],
+}
+
+impl Places {
+    /// Points with as many normals, and the shares that they take of what is carried to them (none: all of it).
+    pub(super) fn of(points: &[Vec3], normals: &[Vec3], held: &[f32]) -> Vec<Self> {
+        let side_by_side = |of: &[Vec3], first: usize, none: f32| -> Group {
+            [0, 1, 2].map(|k| std::array::from_fn(|i| of.get(first + i).map_or(none, |v| v[k])))
+        };
+        let places = (0..points.len()).step_by(GROUP).map(|first| Places {
+            points: side_by_side(points, first, f32::INFINITY),
+            normals: side_by_side(normals, first, 0.0),
+            held: std::array::from_fn(|i| held.get(first + i).copied().unwrap_or(1.0)),
+        });
+        places.collect()
     }
 }
 
@@ -159,11 +184,11 @@ impl View {
 
     /// The grid whose bilinear mean is nearest to the field (`STAMP` numbers in the frame of the contact), smooth where
     /// there are no points.
-    pub(super) fn resample(&self, body: &Body, field: impl Fn(usize) -> Vec3) -> Vec<f32> {
+    pub(super) fn resample(&self, places: &[Places], field: impl Fn(usize) -> Vec3) -> Vec<f32> {
         let nodes = SIDE * SIDE;
         let mut matrix = Banded::new(nodes, 2 * SIDE);
         let mut right = vec![[0.0f64; 3]; nodes];
-        for (first, places) in (0..).step_by(GROUP).zip(&body.places) {
+        for (first, places) in (0..).step_by(GROUP).zip(places) {
             let cells = self.cells(places);
             for i in (0..GROUP).filter(|i| cells.weights.iter().any(|w| w[*i] > 0.0)) {
                 let u = self.frame.transpose() * field(first + i);
@@ -233,7 +258,6 @@ fn read_one(turned: &[Vec4], cells: &Cells, i: usize) -> Vec4 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::mirror::Mirror;
 
     #[test]
     fn frames_are_rotations_with_the_normal_as_third_axis() {
@@ -253,11 +277,11 @@ mod tests {
         let centre = Vec3::new(0.4, 0.55, 0.0);
         let field = |v: usize| Vec3::new(0.0, 0.002, -0.03) * (-40.0 * (points[v] - centre).length_squared()).exp();
         let view = View::new(&Frames::of(&normals), centre, Vec3::Z, 2f64.sqrt(), 1.0);
-        let body = Body::new(&points, &normals, &[], Mirror::NONE, Vec3::ZERO);
-        let stamp = view.resample(&body, field);
+        let places = Places::of(&points, &normals, &[]);
+        let stamp = view.resample(&places, field);
         let mut turned = Vec::new();
         view.turned(&stamp, 1.0, &mut turned);
-        let read: Vec<Group> = body.places.iter().map(|at| read(&turned, &view.cells(at))).collect();
+        let read: Vec<Group> = places.iter().map(|at| read(&turned, &view.cells(at))).collect();
         let mut sums = (0.0, 0.0);
         for v in 0..points.len() {
             let read = Vec3::from([0, 1, 2].map(|k| read[v / GROUP][k][v % GROUP]));
