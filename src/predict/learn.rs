@@ -227,7 +227,7 @@ impl Data<'_> {
             }
             l
         };
-        let exponent = if blows { 0.65 } else { 1.0 };
+        let exponent = if blows { 0.5 } else { 1.0 };
         let (size, missed) = SizeLaw::learn(&points, &logs, &groups, &used, exponent, lean(SIZE));
 
         let view =
@@ -243,7 +243,7 @@ impl Data<'_> {
         let stamps = stamps.concat();
         let products = gram(&stamps, STAMP);
         let low = LowRank::of(&stamps, STAMP, &products, CARRIED_MODES, LOST);
-        let prior = Prior { mean: lean(CARRIED), deviation: 0.2, outputs: OUTPUTS, ordinary: true };
+        let prior = Prior { mean: lean(CARRIED), deviation: 0.4, outputs: OUTPUTS, ordinary: true };
         let lengths = fit(&points, &used, |i, j| products[i * n + j], &prior);
         let kriging = Kriging::new(&points, &lengths, true);
         let (mean, coefficients) = kriging.coefficients(&low.coefficients, low.rank);
@@ -270,9 +270,7 @@ impl Data<'_> {
             let (c, y) = (&carried[i * columns..(i + 1) * columns], &unit[i * columns..(i + 1) * columns]);
             let cosine = dot(c, y) / dot(c, c).sqrt().max(1e-30);
             let sine = (1.0 - cosine * cosine.abs()).max(0.0).sqrt();
-            // A displacement tells the size.
-            let size = if blows { missed[i] } else { 0.0 };
-            (sine * sine + size * size).sqrt().min(2.0)
+            (sine * sine + missed[i] * missed[i]).sqrt().min(2.0)
         };
         let errors: Vec<f64> = (0..n).map(error).collect();
         let own = (0..n).filter(|i| images[*i].mirror == Mirror::NONE);
