@@ -10,7 +10,7 @@ use crate::files::empty_directory;
 use crate::stage::LeftOut;
 use crate::workspace::Workspace;
 
-/// Without devices and file formats, which share nothing between threads.
+/// Without file formats, which share nothing between threads.
 const FEATURES: [&str; 3] = ["--no-default-features", "--features", "capi"];
 
 /// The tests in which threads share something: the task systems, inboxes, and everything that several threads do in the C interface.
