@@ -148,6 +148,24 @@ impl Stored<'_> {
         };
         n * self.step
     }
+
+    /// The vectors of all vertices of the block: faster than one by one.
+    fn all(&self) -> [Vec3; BLOCK] {
+        fn scaled<T: Copy + Into<f32>>(to: &mut [f32], numbers: &[T], step: f32) {
+            to.iter_mut().zip(numbers).for_each(|(to, n)| *to = (*n).into() * step);
+        }
+        let mut all = [Vec3::ZERO; BLOCK];
+        let stored = all.chunks_exact_mut(GROUP).enumerate().filter(|(group, _)| self.groups >> group & 1 == 1);
+        for (from, (_, to)) in (0..).step_by(3 * GROUP).zip(stored) {
+            let to = bytemuck::cast_slice_mut(to);
+            match self.numbers {
+                Numbers::I8(n) => scaled(to, &n[from..], self.step),
+                Numbers::I16(n) => scaled(to, &n[from..], self.step),
+                Numbers::F32(n) => scaled(to, &n[from..], self.step),
+            }
+        }
+        all
+    }
 }
 
 impl DeltaBlocks {
@@ -249,11 +267,9 @@ impl DeltaBlocks {
     /// Vertex, displacement (m) and change of the normal, for all vertices where either is not zero.
     pub(crate) fn iter(&self) -> impl Iterator<Item = (u32, Vec3, Vec3)> + '_ {
         self.heads.iter().flat_map(move |h| {
-            let (d, n) = (self.displacements(h), self.normals(h));
-            (0..BLOCK).filter_map(move |i| {
-                let (d, n) = (d.at(i), n.at(i));
-                (d != Vec3::ZERO || n != Vec3::ZERO).then_some((h.block * BLOCK as u32 + i as u32, d, n))
-            })
+            let (displacements, normals) = (self.displacements(h).all(), self.normals(h).all());
+            let all = (h.block * BLOCK as u32..).zip(displacements.into_iter().zip(normals));
+            all.filter_map(|(v, (d, n))| (d != Vec3::ZERO || n != Vec3::ZERO).then_some((v, d, n)))
         })
     }
 
