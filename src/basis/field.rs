@@ -102,7 +102,9 @@ impl Work for Rounding<'_> {
         }
         let step = (most.iter().fold(0.0f32, |m, x| m.max(*x)) / MOST).max(f32::MIN_POSITIVE);
         let moves = |u: &Group| u.as_flattened().iter().fold(false, |moves, x| moves | (*x != 0.0));
-        let groups: Box<[u32]> = (0..).zip(self.0).filter(|(_, u)| moves(u)).map(|(group, _)| group).collect();
+        let mut groups = Vec::with_capacity(self.0.iter().filter(|u| moves(u)).count());
+        groups.extend((0..).zip(self.0).filter(|(_, u)| moves(u)).map(|(group, _)| group));
+        let groups = groups.into_boxed_slice();
         let mut moves = vec![[[0i16; GROUP]; 3]; groups.len()].into_boxed_slice();
         for (to, group) in moves.iter_mut().zip(&groups) {
             for (to, x) in to.as_flattened_mut().iter_mut().zip(self.0[*group as usize].as_flattened()) {
