@@ -117,6 +117,31 @@ pub fn every_vertex(bench: &Bench) -> Result<()> {
     drop(contenders);
     let time = Row::time("expand_cache", &times[0], "µs").beside_time("classic", &times[1], Sense::Cost);
     bench.add(time.aim(Aim::AtMost(1.0)).hash(ours.hash()));
+    with_normals(bench, nodes, &marks)
+}
+
+/// The same with normals, against reading and writing as many bytes: what memory alone would take.
+fn with_normals(bench: &Bench, set: &Arc<ExampleSet>, marks: &[Mark]) -> Result<()> {
+    // Of a vertex: weights and slopes; base position and normal, and what becomes of them.
+    const READ: usize = 62 + 24;
+    const WRITTEN: usize = 24;
+    let mut ours = Deformed::new(set, InstanceOptions::default(), marks, true, bench.tasks(1))?;
+    ours.run();
+    let from: Vec<u64> = (0..(set.vertex_count() * READ / 8) as u64).collect();
+    let mut to = vec![0u64; set.vertex_count() * WRITTEN / 8];
+    let mut bytes = || {
+        let mut sums = [1; 8];
+        from.as_chunks::<8>()
+            .0
+            .iter()
+            .for_each(|words| sums.iter_mut().zip(words).for_each(|(sum, word)| *sum ^= word));
+        to.fill(std::hint::black_box(sums).iter().sum());
+        std::hint::black_box(&to);
+    };
+    let mut contenders = [Contender::new(|| ours.again()), Contender::new(|| timed(&mut bytes))];
+    let times = interleaved(&bench.plan, &mut contenders);
+    drop(contenders);
+    bench.add(Row::time("expand_cache_normals", &times[0], "µs").beside_time("its bytes", &times[1], Sense::Cost));
     Ok(())
 }
 
