@@ -1,7 +1,6 @@
 //! Writes GLBs: new accessors, and the container.
 
 use crate::base::error::Error;
-use crate::io::import::unsupported;
 use bytemuck::cast_slice;
 use serde_json::{Map, Value, json};
 
@@ -102,8 +101,9 @@ pub(crate) fn container(root: &Value, bin: &[u8], others: &[([u8; 4], &[u8])]) -
     let binary = (!bin.is_empty()).then_some((*b"BIN\0", bin));
     let chunks = || binary.iter().chain(others);
     let total = 12 + 8 + text.len() + chunks().map(|(_, bytes)| 8 + bytes.len().next_multiple_of(4)).sum::<usize>();
-    let total = u32::try_from(total)
-        .map_err(|_| unsupported(format!("the result has {total} bytes; a GLB holds less than 4 GiB")))?;
+    let total = u32::try_from(total).map_err(|_| Error::Unsupported {
+        what: format!("the result has {total} bytes; a GLB holds less than 4 GiB"),
+    })?;
     let mut out = crate::base::error::reserve(total as usize, "the GLB")?;
     out.extend_from_slice(b"glTF");
     out.extend_from_slice(&2u32.to_le_bytes());
