@@ -170,6 +170,13 @@ pub(crate) fn small_floor(x: f32) -> f32 {
     if near > x { near - 1.0 } else { near }
 }
 
+/// The number from 0 to 1 that is nearest; 0 for NaN. Compiled for vectors, unlike `clamp`.
+#[inline(always)]
+pub(crate) fn within_one(x: f32) -> f32 {
+    let x = if x > 0.0 { x } else { 0.0 };
+    if x < 1.0 { x } else { 1.0 }
+}
+
 /// The first numbers of four vectors, their second numbers, and so on.
 #[inline(always)]
 pub(crate) fn transposed([a, b, c, d]: [Vec4; 4]) -> [Vec4; 4] {

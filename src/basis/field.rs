@@ -11,8 +11,46 @@ pub(crate) const MOST: f32 = 32767.0;
 /// Nodes in a group.
 pub(crate) const GROUP: usize = 32;
 
-/// Vectors of [`GROUP`] successive nodes: along x, y and z.
+/// Vectors of [`GROUP`] successive nodes, side by side: along x, y and z.
 pub(crate) type Group = [[f32; GROUP]; 3];
+
+/// The first vectors side by side. Missing ones are `other`.
+#[inline(always)]
+pub(crate) fn side_by_side(vectors: &[Vec3], other: Vec3) -> Group {
+    let mut first = [other; GROUP];
+    let count = vectors.len().min(GROUP);
+    first[..count].copy_from_slice(&vectors[..count]);
+    let mut group = [[0.0; GROUP]; 3];
+    let [x, y, z] = &mut group;
+    for i in 0..GROUP {
+        (x[i], y[i], z[i]) = (first[i].x, first[i].y, first[i].z);
+    }
+    group
+}
+
+/// Squared distances from a point.
+#[inline(always)]
+pub(crate) fn squares(group: &Group, from: Vec3) -> [f32; GROUP] {
+    let [x, y, z] = group;
+    let mut out = [0.0; GROUP];
+    for i in 0..GROUP {
+        let (x, y, z) = (x[i] - from.x, y[i] - from.y, z[i] - from.z);
+        out[i] = x * x + y * y + z * z;
+    }
+    out
+}
+
+/// The greatest of the numbers of all lists; 0 if none is above 0.
+#[inline(always)]
+pub(crate) fn greatest(lists: impl Iterator<Item = [f32; GROUP]>) -> f32 {
+    let mut most = [0.0f32; GROUP];
+    for list in lists {
+        for i in 0..GROUP {
+            most[i] = if list[i] > most[i] { list[i] } else { most[i] };
+        }
+    }
+    most.iter().fold(0.0, |most, x| x.max(most))
+}
 
 /// Displacements of nodes, 6 bytes each, for groups of [`GROUP`] successive nodes with one that moves.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -26,7 +64,7 @@ pub(crate) struct NodeField {
 }
 
 impl NodeField {
-    /// The field of all nodes, in groups. Displacements, m, that are not all finite are none.
+    /// The field of all nodes, in groups, m. If one of them is not finite, it moves none.
     pub(crate) fn of(nodes: &[Group]) -> Self {
         widest(Rounding(nodes))
     }
@@ -88,19 +126,17 @@ impl Work for Rounding<'_> {
 
     #[inline(always)]
     fn run(self) -> NodeField {
-        let mut most = [0.0f32; GROUP];
-        let mut is_finite = [true; GROUP];
-        for along in self.0.iter().flatten() {
-            for i in 0..GROUP {
-                let x = along[i].abs();
-                most[i] = if x > most[i] { x } else { most[i] };
-                is_finite[i] &= x < f32::INFINITY;
-            }
-        }
-        if is_finite.contains(&false) {
+        let sizes = self.0.iter().flatten().map(|along| {
+            let mut sizes = [0.0; GROUP];
+            sizes.iter_mut().zip(along).for_each(|(size, x)| *size = x.abs());
+            sizes
+        });
+        let is_finite =
+            |good: bool, sizes: [f32; GROUP]| sizes.iter().fold(good, |good, x| good & (*x < f32::INFINITY));
+        if !sizes.clone().fold(true, is_finite) {
             return NodeField { step: f32::MIN_POSITIVE, ..NodeField::default() };
         }
-        let step = (most.iter().fold(0.0f32, |m, x| m.max(*x)) / MOST).max(f32::MIN_POSITIVE);
+        let step = (greatest(sizes) / MOST).max(f32::MIN_POSITIVE);
         let moves = |u: &Group| u.as_flattened().iter().fold(false, |moves, x| moves | (*x != 0.0));
         let mut groups = Vec::with_capacity(self.0.iter().filter(|u| moves(u)).count());
         groups.extend((0..).zip(self.0).filter(|(_, u)| moves(u)).map(|(group, _)| group));
@@ -129,35 +165,21 @@ impl Work for Reaching<'_> {
     #[inline(always)]
     fn run(self) -> f32 {
         let Reaching { field, share, nodes, from } = self;
-        let mut longest = [0.0f32; GROUP];
-        let mut squares = [0.0f32; GROUP];
-        let square = |[x, y, z]: &[[i16; GROUP]; 3], squares: &mut [f32; GROUP]| {
-            for i in 0..GROUP {
-                let (x, y, z) = (f32::from(x[i]), f32::from(y[i]), f32::from(z[i]));
-                squares[i] = x * x + y * y + z * z;
-            }
+        let moved = |moves: &[[i16; GROUP]; 3]| {
+            let mut group = [[0.0; GROUP]; 3];
+            let all = group.as_flattened_mut().iter_mut().zip(moves.as_flattened());
+            all.for_each(|(to, x)| *to = f32::from(*x));
+            squares(&group, Vec3::ZERO)
         };
-        for moves in &field.moves {
-            square(moves, &mut squares);
+        let least = (share * share * greatest(field.moves.iter().map(moved))).max(f32::MIN_POSITIVE);
+        greatest(field.groups().map(|(group, moves)| {
+            let moved = moved(moves);
+            let mut distances = squares(&side_by_side(&nodes[GROUP * group as usize..], from), from);
             for i in 0..GROUP {
-                longest[i] = if squares[i] > longest[i] { squares[i] } else { longest[i] };
+                distances[i] = if moved[i] >= least { distances[i] } else { 0.0 };
             }
-        }
-        let least = (share * share * longest.iter().fold(0.0f32, |m, x| m.max(*x))).max(f32::MIN_POSITIVE);
-        let mut furthest = [0.0f32; GROUP];
-        for (group, moves) in field.groups() {
-            square(moves, &mut squares);
-            let nodes = &nodes[GROUP * group as usize..];
-            let count = nodes.len().min(GROUP);
-            let mut places = [from; GROUP];
-            places[..count].copy_from_slice(&nodes[..count]);
-            for i in 0..GROUP {
-                let (x, y, z) = (places[i].x - from.x, places[i].y - from.y, places[i].z - from.z);
-                let distance = x * x + y * y + z * z;
-                furthest[i] = if (squares[i] >= least) & (distance > furthest[i]) { distance } else { furthest[i] };
-            }
-        }
-        furthest.iter().fold(0.0, |m, x| m.max(*x))
+            distances
+        }))
     }
 }
 
@@ -173,7 +195,7 @@ mod tests {
     fn displacements_are_rounded_to_a_32767th_of_the_longest() {
         let mut nodes = vec![Vec3::ZERO; 40];
         (nodes[2], nodes[5], nodes[39]) = (Vec3::new(0.1, -0.05, 0.0), Vec3::splat(1e-9), Vec3::Z * 0.01);
-        let group = |nodes: &[Vec3]| [0, 1, 2].map(|k| std::array::from_fn(|i| nodes.get(i).map_or(0.0, |u| u[k])));
+        let group = |nodes: &[Vec3]| side_by_side(nodes, Vec3::ZERO);
         let of = |nodes: &[Vec3]| NodeField::of(&nodes.chunks(GROUP).map(group).collect::<Vec<_>>());
         let field = of(&nodes);
         assert!(field.moved().map(|(n, _)| n).eq([2, 39]), "what rounds to nothing is left out");

@@ -142,7 +142,7 @@ impl LearnedRule {
             recent.scratch.pop().unwrap_or_default()
         };
         let (Prediction { expected_error, depth, .. }, moved) = self.predictor.predict(hit, &self.fields, &mut scratch);
-        // Numbers of a file may be anything finite, and what follows of them anything.
+        // Of a file's numbers, which may be anything finite, may follow what is not: then nothing moves.
         let predicted = Predicted { field: Arc::new(NodeField::of(moved)), expected_error, depth };
         let mut recent = self.recent.lock().unwrap_or_else(|e| e.into_inner());
         recent.scratch.push(scratch);

@@ -59,7 +59,7 @@ pub struct ExampleSet {
 pub(crate) struct SetNodes {
     /// The nodes as a mesh without triangles, with the set's examples on it.
     pub lod: MeshLod,
-    /// For each mesh of the set and each node, the blocks that have a vertex which follows it.
+    /// For each mesh of the set what [`followers`] returns.
     pub followers: Vec<Lists<(u32, u32)>>,
 }
 

@@ -25,8 +25,9 @@ const TILES: usize = BLOCK_VERTICES as usize / TILE;
 pub(super) struct FrameWork {
     blocks: Vec<BlockWork>,
     targets: Vec<TargetWork>,
-    /// For each target whose vertices follow nodes, which of them, two a row; and all of these rows.
+    /// For each target whose vertices follow nodes, which nodes.
     followed: Vec<Followed>,
+    /// The rows of all of these.
     node_rows: u32,
     /// Hits of classic rules.
     hits: Vec<ClassicHit>,
@@ -60,7 +61,7 @@ impl FrameWork {
         self.states.clear();
     }
 
-    /// The size of the lists in words, and calls with their first rows: of dispatches whose vertices follow nodes, and of classic rules.
+    /// The size of the lists in words, and two calls with the lists' first rows: for vertices that follow nodes, and for classic rules.
     ///
     /// # Errors
     /// [`Error::Unsupported`] for 2^32 bytes or more.
@@ -82,8 +83,8 @@ impl FrameWork {
 
     /// Writes the lists one after another, each from a row on.
     ///
-    /// `steps` has the displacements of all nodes of a job's body. They are as many bytes as everything else several times over, so that they
-    /// are copied once, to where the device reads them.
+    /// `steps` gives the displacements of all nodes of a job's body. They are most of the bytes, so they are copied once: to where the device
+    /// reads them.
     pub(super) fn write<'s>(&self, steps: impl Fn(usize) -> &'s [NodeSteps], to: &mut [u32]) {
         fn put<'a, T: Pod>(to: &'a mut [u32], list: &[T]) -> &'a mut [u32] {
             let words: &[u32] = cast_slice(list);

@@ -9,9 +9,9 @@ use super::own::{self, Fields};
 use super::size::SizeLaw;
 use super::stamp::{STAMP, View, read};
 use super::{Blow, Hit, Prediction, Told};
-use crate::base::math::AddRows;
+use crate::base::math::{AddRows, within_one};
 use crate::base::simd::{Work, widest};
-use crate::basis::field::{GROUP, Group};
+use crate::basis::field::{GROUP, Group, greatest, squares};
 use crate::mesh::mirror::Mirror;
 use glam::{Vec3, Vec4};
 
@@ -141,6 +141,7 @@ pub struct Scratch {
     stamp: Vec<f32>,
     turned: Vec<Vec4>,
     field: Vec<f32>,
+    /// The field of the hit.
     groups: Vec<Group>,
 }
 
@@ -205,9 +206,7 @@ impl Work for Sight<'_> {
             }
             if furthest > reach * reach {
                 for i in 0..GROUP {
-                    let t = (distances[i].sqrt() / reach - END) / (1.0 - END);
-                    let t = if t > 0.0 { t } else { 0.0 };
-                    let t = if t < 1.0 { t } else { 1.0 };
+                    let t = within_one((distances[i].sqrt() / reach - END) / (1.0 - END));
                     let fade = t * t * (3.0 - 2.0 * t);
                     (0..3).for_each(|k| sum[k][i] *= fade);
                 }
@@ -221,7 +220,7 @@ impl Work for Sight<'_> {
     }
 }
 
-/// Scales a field, and leaves out what is shorter than `faint` times its longest displacement; what is twice as long stays.
+/// Scales a field. Displacements shorter than `faint` times the longest are left out, those twice as long stay whole.
 struct Scaling<'a> {
     groups: &'a mut [Group],
     faint: f32,
@@ -233,35 +232,16 @@ impl Work for Scaling<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let mut longest = [0.0f32; GROUP];
-        for group in &*self.groups {
-            let squares = squares(group, Vec3::ZERO);
-            (0..GROUP).for_each(|i| longest[i] = if squares[i] > longest[i] { squares[i] } else { longest[i] });
-        }
-        let faint = self.faint * longest.iter().fold(0.0f32, |m, x| m.max(*x)).sqrt();
+        let longest = greatest(self.groups.iter().map(|group| squares(group, Vec3::ZERO)));
+        let faint = self.faint * longest.sqrt();
         for group in self.groups {
             let squares = squares(group, Vec3::ZERO);
             for i in 0..GROUP {
-                let kept = (squares[i].sqrt() - faint) / faint.max(f32::MIN_POSITIVE);
-                let kept = if kept > 0.0 { kept } else { 0.0 };
-                let kept = if kept < 1.0 { kept } else { 1.0 };
-                let along = self.scale * kept;
+                let along = self.scale * within_one((squares[i].sqrt() - faint) / faint.max(f32::MIN_POSITIVE));
                 (0..3).for_each(|k| group[k][i] *= along);
             }
         }
     }
-}
-
-/// Squared distances from a point.
-#[inline(always)]
-fn squares(group: &Group, from: Vec3) -> [f32; GROUP] {
-    let [x, y, z] = group;
-    let mut out = [0.0; GROUP];
-    for i in 0..GROUP {
-        let (x, y, z) = (x[i] - from.x, y[i] - from.y, z[i] - from.z);
-        out[i] = x * x + y * y + z * z;
-    }
-    out
 }
 
 #[inline(always)]

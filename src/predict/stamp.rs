@@ -1,8 +1,8 @@
 //! Frames of contacts, and a field resampled into a grid there.
 
 use super::linear::Banded;
-use crate::base::math::{small_floor, small_whole, transposed};
-use crate::basis::field::{GROUP, Group};
+use crate::base::math::{small_floor, small_whole, transposed, within_one};
+use crate::basis::field::{GROUP, Group, side_by_side};
 use glam::{DMat3, DVec3, Vec3, Vec4};
 
 /// Nodes of the grid a side.
@@ -93,12 +93,9 @@ pub(super) struct Places {
 impl Places {
     /// Points with as many normals, and the shares that they take of what is carried to them (none: all of it).
     pub(super) fn of(points: &[Vec3], normals: &[Vec3], held: &[f32]) -> Vec<Self> {
-        let side_by_side = |of: &[Vec3], first: usize, none: f32| -> Group {
-            [0, 1, 2].map(|k| std::array::from_fn(|i| of.get(first + i).map_or(none, |v| v[k])))
-        };
         let places = (0..points.len()).step_by(GROUP).map(|first| Places {
-            points: side_by_side(points, first, f32::INFINITY),
-            normals: side_by_side(normals, first, 0.0),
+            points: side_by_side(&points[first..], Vec3::INFINITY),
+            normals: side_by_side(&normals[first..], Vec3::ZERO),
             held: std::array::from_fn(|i| held.get(first + i).copied().unwrap_or(1.0)),
         });
         places.collect()
@@ -161,9 +158,7 @@ impl View {
             // Not for NaN.
             let is_inside = (a > 0.0) & (b > 0.0) & (a < last) & (b < last);
             let along = nx[i] * normal.x + ny[i] * normal.y + nz[i] * normal.z;
-            let facing = (along - BACK) / (FRONT - BACK);
-            let facing = if facing > 0.0 { facing } else { 0.0 };
-            let facing = if facing < 1.0 { facing } else { 1.0 };
+            let facing = within_one((along - BACK) / (FRONT - BACK));
             // Points without a normal are on both sides.
             let is_flat = (nx[i] == 0.0) & (ny[i] == 0.0) & (nz[i] == 0.0);
             let f = if is_flat { 1.0 } else { facing };
