@@ -5,7 +5,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 import style
 from style import plt
 
-TICKS = (0, 0.01, 0.03, 0.1, 0.3, 1, 3, 10)
+TICKS = (0, 0.01, 0.03, 0.1, 0.3, 1, 3, 10, 30)
 LINES = [("base mesh", "the base mesh", style.INK), ("view", "level of detail by set_view, for so many pixels", style.OURS)]
 
 
@@ -42,4 +42,4 @@ def panel(axis, table, error, label, title):
     axis.axvline(0.5, color=style.FLOOR, lw=0.9, ls=":")
     axis.set_title(title, loc="left", fontweight="bold")
     axis.set_xlabel(label)
-    axis.set_xlim(-0.002, 30)
+    axis.set_xlim(-0.002, 60)
