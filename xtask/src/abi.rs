@@ -1,16 +1,6 @@
 //! The binary interface: what the library exports, and what programs built against the last release rely on (`docs/abi.md`).
 
-use std::collections::BTreeSet;
-use std::path::Path;
-
-use anyhow::{Context, Result, bail, ensure};
-use object::Object;
-use xshell::cmd;
-
-use crate::declarations::{self, INCLUDE};
-use crate::files::{bytes, files_of, read, write};
-use crate::stage::LeftOut;
-use crate::workspace::Workspace;
+use crate::prelude::*;
 
 /// Differences that abidiff does not report.
 const SUPPRESSED: &str = "tests/abi/abidiff.suppressions";
@@ -19,38 +9,36 @@ const SUPPRESSED: &str = "tests/abi/abidiff.suppressions";
 const RELEASED: &str = "tests/abi";
 
 /// Compares the headers with those of the last release of this SONAME.
-pub fn stage(workspace: &Workspace) -> Result<()> {
-    let sh = &workspace.shell;
+pub fn stage() -> Result<()> {
     let mut releases = Vec::new();
-    for path in files_of(&workspace.path(RELEASED), &["h"])? {
+    for path in files_of(RELEASED, &["h"])? {
         let version = path.file_stem().context("files have names")?.to_string_lossy().into_owned();
-        if soname(&version) == soname(&workspace.version) {
+        if soname(&version) == soname(&VERSION) {
             let numbers: Vec<u32> = version.split('.').filter_map(|number| number.parse().ok()).collect();
             releases.push((numbers, version, path));
         }
     }
     let Some((_, version, path)) = releases.into_iter().max() else {
-        bail!(LeftOut::NotApplicable(format!("{RELEASED} has no release of version {}", workspace.version)));
+        bail!(LeftOut::NotApplicable(format!("{RELEASED} has no release of version {}", VERSION)));
     };
     let scratch = tempfile::tempdir()?;
     let (released, present) = (scratch.path().join("released"), scratch.path().join("present"));
-    stand_in(workspace, &read(&path)?, &released)?;
-    stand_in(workspace, &declarations::read(&workspace.path(INCLUDE))?, &present)?;
-    let (known, released, present) =
-        (workspace.path(SUPPRESSED), released.with_extension("so"), present.with_extension("so"));
-    cmd!(sh, "abidiff --no-added-syms --suppressions {known} {released} {present}").quiet().run().with_context(
-        || format!("programs built against the headers of {version} do not fit these; docs/abi.md has the rules"),
-    )?;
+    stand_in(&read(&path)?, &released)?;
+    stand_in(&declarations::read(INCLUDE)?, &present)?;
+    let (known, released, present) = (in_root(SUPPRESSED), released.with_extension("so"), present.with_extension("so"));
+    run!("abidiff --no-added-syms --suppressions {known} {released} {present}").with_context(|| {
+        format!("programs built against the headers of {version} do not fit these; docs/abi.md has the rules")
+    })?;
     println!("the headers break nothing for programs built against {version}");
     Ok(())
 }
 
 /// Keeps the headers as those of a release of the present version.
-pub fn keep(workspace: &Workspace) -> Result<()> {
-    let text = declarations::read(&workspace.path(INCLUDE))?;
+pub fn keep() -> Result<()> {
+    let text = declarations::read(INCLUDE)?;
     let lines = text.lines().filter(|line| !line.trim().is_empty() && !line.trim_start().starts_with("//"));
-    let file = format!("{RELEASED}/{}.h", workspace.version);
-    write(&workspace.path(&file), lines.flat_map(|line| [line, "\n"]).collect::<String>())?;
+    let file = format!("{RELEASED}/{}.h", VERSION);
+    write(&file, lines.flat_map(|line| [line, "\n"]).collect::<String>())?;
     println!("wrote {file}");
     Ok(())
 }
@@ -63,14 +51,14 @@ pub fn soname(version: &str) -> String {
 
 /// A shared library whose functions do nothing, with debug information about the headers' types. abidiff cannot compare the libraries
 /// themselves: their debug information is of lines alone.
-fn stand_in(workspace: &Workspace, header: &str, at: &Path) -> Result<()> {
+fn stand_in(header: &str, at: &Path) -> Result<()> {
     let mut text = format!("{header}\n");
     for item in declarations::functions(header)? {
         text += &format!("{} {{ for (;;) {{}} }}\n", item.text.trim_end_matches(';'));
     }
     let (source, library) = (at.with_extension("c"), at.with_extension("so"));
     write(&source, text)?;
-    Ok(cmd!(workspace.shell, "cc -g -fPIC -shared {source} -o {library}").quiet().run()?)
+    run!("cc -g -fPIC -shared {source} -o {library}")
 }
 
 /// The names that a shared library exports.

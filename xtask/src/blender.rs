@@ -1,17 +1,6 @@
 //! The Blender extension: packs it with the wheel, and tests the packed file in Blender.
 
-use std::path::{Path, PathBuf};
-
-use anyhow::{Context, Result, ensure};
-use clap::Args;
-use xshell::cmd;
-
-use crate::files::{announce, copy_into, empty_directory, make, name, read, write};
-use crate::package::{archive, markdown, time};
-use crate::tools::{PYTHON311, XVFB};
-use crate::wine::Display;
-use crate::workspace::Workspace;
-use crate::{debian, python};
+use crate::prelude::*;
 
 const BINDING: &str = "bindings/blender";
 const MANIFEST: &str = "blender_manifest.toml";
@@ -38,70 +27,65 @@ pub struct Options {
 }
 
 /// `cargo xtask extension`: the archive for this system, which Blender installs.
-pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
-    let wheel = python::build(workspace, true, &workspace.target.join("package/blender-wheel"))?;
-    let archive = pack(workspace, &wheel, &workspace.path(&options.out))?;
+pub fn run(options: &Options) -> Result<()> {
+    let wheel = python::build(true, &in_target("package/blender-wheel"))?;
+    let archive = pack(&wheel, &in_root(&options.out))?;
     announce(&archive)?;
     if options.picture {
-        let (sh, python) = (&workspace.shell, module(workspace, NEWEST)?);
-        let script = workspace.path(BINDING).join("examples/dent_car.py");
+        let python = module(NEWEST)?;
+        let script = in_root(BINDING).join("examples/dent_car.py");
         let picture = archive.with_file_name("car.png");
-        let home = workspace.target.join("blender-extension/home");
+        let home = in_target("blender-extension/home");
         empty_directory(&home)?;
-        let _home = sh.push_env("BLENDER_USER_RESOURCES", &home);
-        cmd!(sh, "{python} -B {script} {archive} {picture}").quiet().ignore_stdout().run()?;
+        let _home = sh().push_env("BLENDER_USER_RESOURCES", &home);
+        silent!("{python} -B {script} {archive} {picture}")?;
         println!("{}", picture.display());
     }
     Ok(())
 }
 
 /// Runs the extension's tests on the packed file, in the `bpy` of each of two Blenders and in a third one's window.
-pub fn stage(workspace: &Workspace) -> Result<()> {
-    let pythons = MODULES.iter().map(|name| module(workspace, name)).collect::<Result<Vec<_>>>()?;
-    let (sh, folder) = (&workspace.shell, workspace.target.join("blender-extension"));
-    let (examples, wheel) = python::with_package(workspace, &folder.join("wheel"))?;
-    let archive = pack(workspace, &wheel, &folder)?;
+pub fn stage() -> Result<()> {
+    let pythons = MODULES.iter().map(|name| module(name)).collect::<Result<Vec<_>>>()?;
+    let folder = in_target("blender-extension");
+    let (examples, wheel) = python::with_package(&folder.join("wheel"))?;
+    let archive = pack(&wheel, &folder)?;
     let _environment = [
-        sh.push_env("BLENDER_USER_RESOURCES", folder.join("home")),
-        sh.push_env("CRUMPLE_EXTENSION", &archive),
-        sh.push_env("CRUMPLE_EXAMPLES_PYTHON", &examples),
-        sh.push_env("PYTHONDONTWRITEBYTECODE", "1"),
+        sh().push_env("BLENDER_USER_RESOURCES", folder.join("home")),
+        sh().push_env("CRUMPLE_EXTENSION", &archive),
+        sh().push_env("CRUMPLE_EXAMPLES_PYTHON", &examples),
+        sh().push_env("PYTHONDONTWRITEBYTECODE", "1"),
     ];
-    let tests = workspace.path(BINDING).join("tests/test_extension.py");
+    let tests = in_root(BINDING).join("tests/test_extension.py");
     for python in &pythons {
         empty_directory(&folder.join("home"))?;
-        cmd!(sh, "{python} {tests}").quiet().run()?;
+        run!("{python} {tests}")?;
     }
-    if !XVFB.here(workspace) {
+    if !XVFB.here() {
         return Ok(());
     }
-    match debian::program(workspace, "CRUMPLE_BLENDER", "blender-window", PACKAGES, "blender", FOLDERS) {
-        Ok(program) => window(workspace, &program, &folder, &archive),
-        Err(error) => {
-            workspace.leave_out(format!("Blender with a window: {error:#}"));
-            Ok(())
-        }
+    match debian::program("CRUMPLE_BLENDER", "blender-window", PACKAGES, "blender", FOLDERS) {
+        Ok(program) => window(&program, &folder, &archive),
+        Err(error) => bail!(LeftOut::Part(format!("Blender with a window: {error:#}"))),
     }
 }
 
 /// A Python with Blender as its module `bpy`, as `bindings/blender/tests/NAME.txt` says. Installed on the first call.
-pub fn module(workspace: &Workspace, name: &str) -> Result<PathBuf> {
+pub fn module(name: &str) -> Result<PathBuf> {
     let requirements = format!("{BINDING}/tests/{name}.txt");
-    python::environment(workspace, PYTHON311, &format!("blender-{name}"), &requirements)
+    python::environment(PYTHON311, &format!("blender-{name}"), &requirements)
 }
 
 /// Drives the panel, the hits and the heat map on a display without a screen. The picture lies beside the archive.
-fn window(workspace: &Workspace, program: &Path, folder: &Path, archive: &Path) -> Result<()> {
+fn window(program: &Path, folder: &Path, archive: &Path) -> Result<()> {
     empty_directory(&folder.join("home"))?;
-    let (script, hood) = (workspace.path(BINDING).join("tests/window.py"), workspace.path("assets/demo/hood.glb"));
+    let (script, hood) = (in_root(BINDING).join("tests/window.py"), in_root("assets/demo/hood.glb"));
     let picture = folder.join("window.png");
-    let (sh, display) = (&workspace.shell, Display::start()?);
+    let display = Display::start()?;
     let options =
         ["--gpu-backend", "vulkan", "--enable-event-simulate", "--factory-startup", "--python-use-system-env"];
-    let shown = cmd!(
-        sh,
-        "timeout 150 {program} {options...} --python-exit-code 1 --python {script} -- {archive} {hood} {picture}"
-    );
+    let shown =
+        cmd!("timeout 150 {program} {options...} --python-exit-code 1 --python {script} -- {archive} {hood} {picture}");
     let shown = shown.env("DISPLAY", &display.name).env("XDG_RUNTIME_DIR", folder.join("home"));
     let shown = shown.ignore_status().output()?;
     let text = [shown.stdout, shown.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).concat();
@@ -115,13 +99,13 @@ fn window(workspace: &Workspace, program: &Path, folder: &Path, archive: &Path) 
 }
 
 /// Packs the extension with the wheel into `out`.
-fn pack(workspace: &Workspace, wheel: &Path, out: &Path) -> Result<PathBuf> {
+fn pack(wheel: &Path, out: &Path) -> Result<PathBuf> {
     // The archive has the folder that Blender gives the extension.
-    let stage = workspace.target.join("package/blender/crumple");
+    let stage = in_target("package/blender/crumple");
     empty_directory(&stage)?;
-    workspace.copy_sources(&format!("{BINDING}/extension"), &["."], &stage)?;
-    workspace.copy_licenses(&stage)?;
-    markdown::copy_page(&workspace.path(BINDING).join("README.md"), &stage)?;
+    copy_sources(&format!("{BINDING}/extension"), &["."], &stage)?;
+    copy_licenses(&stage)?;
+    markdown::copy_page(&in_root(BINDING).join("README.md"), &stage)?;
     let name = name(wheel)?;
     copy_into(wheel, &stage.join("wheels"))?;
     let manifest = read(&stage.join(MANIFEST))?;
@@ -130,8 +114,8 @@ fn pack(workspace: &Workspace, wheel: &Path, out: &Path) -> Result<PathBuf> {
     let lines = format!("platforms = [\"{system}\"]\nwheels = [\"./wheels/{name}\"]\n");
     write(&stage.join(MANIFEST), format!("{before}{lines}\n[permissions]{after}"))?;
     make(out)?;
-    let path = out.join(format!("crumple-blender-{}-{system}.zip", workspace.version));
-    archive::write(&stage, &path, time(workspace)?)?;
+    let path = out.join(format!("crumple-blender-{}-{system}.zip", VERSION));
+    archive::write(&stage, &path, time()?)?;
     Ok(path)
 }
 

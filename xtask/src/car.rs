@@ -1,19 +1,7 @@
 //! The car: `cargo xtask car` makes the passenger car of assets/car, draws it, and makes its examples; `cargo xtask demo` crashes it with
 //! impacts and writes pictures and a GLB.
 
-use std::fs;
-use std::path::{Path, PathBuf};
-use std::time::Instant;
-
-use anyhow::{Context, Result, ensure};
-use clap::Args;
-use xshell::cmd;
-
-use crate::files::{self, empty_directory, write};
-use crate::stage::LeftOut;
-use crate::tools::{NPM, PYTHON3};
-use crate::workspace::Workspace;
-use crate::{blender, command, exports, python};
+use crate::prelude::*;
 
 const ASSETS: &str = "assets/car";
 /// Examples that the repository keeps, some 40 kB each.
@@ -37,89 +25,80 @@ pub struct Options {
     examples: bool,
 }
 
-pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
-    let out = workspace.path(&options.out);
-    make(workspace, &out)?;
+pub fn run(options: &Options) -> Result<()> {
+    let out = in_root(&options.out);
+    make_car(&out)?;
     if options.picture {
-        let python = blender::module(workspace, blender::NEWEST)?;
+        let python = blender::module(blender::NEWEST)?;
         let (car, picture) = (out.join("car.glb"), out.join("car.png"));
         let size = ["--size", "1000", "560", "--samples", "64"];
-        cmd!(workspace.shell, "{python} {ASSETS}/draw_car.py {car} {picture} {size...}")
-            .quiet()
-            .ignore_stdout()
-            .run()?;
+        silent!("{python} {ASSETS}/draw_car.py {car} {picture} {size...}")?;
         println!("{}", picture.display());
     }
     if options.examples {
-        examples(workspace, &out)?;
+        examples(&out)?;
     }
     Ok(())
 }
 
 /// Makes assets/car's examples from the car in `out`, with the Python package of this checkout.
-fn examples(workspace: &Workspace, out: &Path) -> Result<()> {
-    let sh = &workspace.shell;
-    let (python, _) = python::with_package(workspace, &workspace.target.join("car-wheel"))?;
+fn examples(out: &Path) -> Result<()> {
+    let (python, _) = python::with_package(&in_target("car-wheel"))?;
     let hits = out.join("hits");
-    cmd!(sh, "{python} -B -W ignore {ASSETS}/strike_car.py {out} {hits}").quiet().run()?;
-    cmd!(sh, "{python} -B {ASSETS}/example_car.py {hits} {ASSETS} {KEPT}").quiet().run()?;
-    cmd!(sh, "{python} -B {ASSETS}/example_car.py {hits} {out}").quiet().run()?;
-    Ok(())
+    run!("{python} -B -W ignore {ASSETS}/strike_car.py {out} {hits}")?;
+    run!("{python} -B {ASSETS}/example_car.py {hits} {ASSETS} {KEPT}")?;
+    run!("{python} -B {ASSETS}/example_car.py {hits} {out}")
 }
 
 /// The car is made, and its files are as a car's should be and as glTF demands.
-pub fn stage(workspace: &Workspace) -> Result<()> {
-    let out = workspace.target.join("car");
+pub fn stage() -> Result<()> {
+    let out = in_target("car");
     empty_directory(&out)?;
-    let python = make(workspace, &out)?;
-    cmd!(workspace.shell, "{python} -B {ASSETS}/check_car.py {out}").quiet().run()?;
-    if !NPM.here(workspace) {
+    let python = make_car(&out)?;
+    run!("{python} -B {ASSETS}/check_car.py {out}")?;
+    if !NPM.here() {
         return Ok(());
     }
     let files =
         ["car", "car_coarse", "car_body", "car_inner", "car_collider"].map(|name| out.join(format!("{name}.glb")));
-    match exports::validate(workspace, &files) {
-        Err(error) if error.is::<LeftOut>() => {
-            workspace.leave_out(format!("{error:#}"));
-            Ok(())
-        }
+    match exports::validate(&files) {
+        Err(error) if error.is::<LeftOut>() => bail!(LeftOut::Part(format!("{error:#}"))),
         judged => judged,
     }
 }
 
 /// Writes the car's files to `out`. Returns the Python that made them.
-fn make(workspace: &Workspace, out: &Path) -> Result<PathBuf> {
-    let python = python::environment(workspace, PYTHON3, "car-venv", &format!("{ASSETS}/requirements.txt"))?;
+fn make_car(out: &Path) -> Result<PathBuf> {
+    let python = python::environment(PYTHON3, "car-venv", &format!("{ASSETS}/requirements.txt"))?;
     println!("making the car in {}", out.display());
-    cmd!(workspace.shell, "{python} -B {ASSETS}/make_car.py {out}").quiet().run()?;
+    run!("{python} -B {ASSETS}/make_car.py {out}")?;
     Ok(python)
 }
 
 /// `cargo xtask demo`. `gpu`: deform on the GPU whose name contains this.
-pub fn demo(workspace: &Workspace, out: &Path, gpu: Option<&str>) -> Result<()> {
+pub fn demo(out: &Path, gpu: Option<&str>) -> Result<()> {
     println!("Building the `crumple` command; the first time takes a few minutes.");
     let gpu: Vec<String> = gpu.iter().map(|name| format!("--gpu={name}")).collect();
-    show(workspace, &command::fast(workspace, !gpu.is_empty())?, &workspace.path(out), &gpu)
+    show(&command::fast(!gpu.is_empty())?, &in_root(out), &gpu)
 }
 
 /// The demo as a test: it runs and writes every file that it promises.
-pub fn demo_stage(workspace: &Workspace) -> Result<()> {
-    let out = workspace.target.join("demo");
-    show(workspace, &command::tested(workspace)?, &out, &[])?;
+pub fn demo_stage() -> Result<()> {
+    let out = in_target("demo");
+    show(&command::tested()?, &out, &[])?;
     for file in ["base.png", "after.png", "heat.png", "before_after.png", "dented.glb", "report.txt"] {
         ensure!(out.join(file).exists(), "the demo left no {}", out.join(file).display());
     }
     Ok(())
 }
 
-fn show(workspace: &Workspace, program: &Path, out: &Path, options: &[String]) -> Result<()> {
+fn show(program: &Path, out: &Path, options: &[String]) -> Result<()> {
     println!("\nA car before and after a crash; its examples are dents that a physics solver computed.");
     let start = Instant::now();
-    files::make(out)?;
+    make(out)?;
     let dented = out.join("dented.glb");
     let pictures = ["--join", "--size", "1280x560", "--png"];
-    let apply =
-        cmd!(workspace.shell, "{program} apply {CAR} --impacts {CRASH} -o {dented} {pictures...} {out} {options...}");
+    let apply = cmd!("{program} apply {CAR} --impacts {CRASH} -o {dented} {pictures...} {out} {options...}");
     let applied = apply.quiet().read()?;
     // A table with a line for each hit comes first. The summary follows the last empty line.
     println!("{}", applied.rsplit("\n\n").next().unwrap_or(&applied).trim_end());
@@ -132,12 +111,12 @@ fn show(workspace: &Workspace, program: &Path, out: &Path, options: &[String]) -
 
 /// Writes what other programs need to draw the car and to dent it: `car.glb`, without examples and packing, and the baked `car.crumple`.
 /// `options` are further ones of both commands, such as `--moving`.
-pub fn lay_out(workspace: &Workspace, folder: &Path, options: &[&str]) -> Result<()> {
-    files::make(folder)?;
-    let (sh, program) = (&workspace.shell, command::tested(workspace)?);
+pub fn lay_out(folder: &Path, options: &[&str]) -> Result<()> {
+    make(folder)?;
+    let program = command::tested()?;
     let [car, set, none] = ["car.glb", "car.crumple", "impacts.json"].map(|name| folder.join(name));
-    cmd!(sh, "{program} bake {CAR} --join --one-mesh {options...} -o {set}").quiet().ignore_stdout().run()?;
+    silent!("{program} bake {CAR} --join --one-mesh {options...} -o {set}")?;
     write(&none, "[]")?;
-    cmd!(sh, "{program} apply {CAR} --impacts {none} -o {car} --join {options...}").quiet().ignore_stdout().run()?;
+    silent!("{program} apply {CAR} --impacts {none} -o {car} --join {options...}")?;
     fs::remove_file(&none).context("removing the list of no impacts")
 }

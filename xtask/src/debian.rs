@@ -1,36 +1,21 @@
 //! Programs of Debian sid with their own C library and Mesa's driver, unpacked into a folder beside the system.
 
-use std::fs;
-use std::path::{Path, PathBuf};
-
-use anyhow::{Context, Result};
-use xshell::cmd;
-
-use crate::files::{empty_directory, files, files_of, make};
-use crate::stage::LeftOut;
-use crate::workspace::Workspace;
+use crate::prelude::*;
 
 /// Signs the packages.
 const KEYS: &str = "/usr/share/keyrings/debian-archive-keyring.gpg";
 
 /// The program `name` of `packages`, unpacked with what they need below the target directory on the first call, unless the environment
 /// variable `own` names another. `environment` has more words for the program's `export`, in which `$R` is where the packages are.
-pub fn program(
-    workspace: &Workspace,
-    own: &str,
-    folder: &str,
-    packages: &[&str],
-    name: &str,
-    environment: &str,
-) -> Result<PathBuf> {
+pub fn program(own: &str, folder: &str, packages: &[&str], name: &str, environment: &str) -> Result<PathBuf> {
     if let Some(program) = std::env::var_os(own) {
         return Ok(program.into());
     }
-    let folder = workspace.target.join(folder);
+    let folder = in_target(folder);
     let program = folder.join(name);
     if !program.exists() {
         println!("fetching {name} from Debian sid, 170 to 290 MB, into {}", folder.display());
-        fetch(workspace, &folder, packages, name, environment).with_context(|| {
+        fetch(&folder, packages, name, environment).with_context(|| {
             LeftOut::Missing(format!("{name} cannot be fetched. Name yours: {own}=/path/to/{name}"))
         })?;
     }
@@ -38,7 +23,7 @@ pub fn program(
 }
 
 /// Unpacks packages, and writes the program `folder/name`, which starts `name` of them.
-fn fetch(workspace: &Workspace, folder: &Path, packages: &[&str], name: &str, environment: &str) -> Result<()> {
+fn fetch(folder: &Path, packages: &[&str], name: &str, environment: &str) -> Result<()> {
     let mirror = mirror()?;
     empty_directory(folder)?;
     for part in ["lists/partial", "debs/partial", "root"] {
@@ -61,14 +46,13 @@ fn fetch(workspace: &Workspace, folder: &Path, packages: &[&str], name: &str, en
         "-oAPT::Sandbox::User=root".into(),
         "-oDebug::NoLocking=1".into(),
     ];
-    let sh = &workspace.shell;
     let options = &options;
-    cmd!(sh, "apt-get {options...} -qq update").run()?;
+    cmd!("apt-get {options...} -qq update").run()?;
     let download = ["-qq", "-y", "--no-install-recommends", "--download-only", "install"];
-    cmd!(sh, "apt-get {options...} {download...} {packages...}").ignore_stdout().run()?;
+    cmd!("apt-get {options...} {download...} {packages...}").ignore_stdout().run()?;
     let root = folder.join("root");
     for package in files_of(&folder.join("debs"), &["deb"])? {
-        cmd!(sh, "dpkg-deb -x {package} {root}").quiet().run()?;
+        run!("dpkg-deb -x {package} {root}")?;
     }
     fs::remove_dir_all(folder.join("debs"))?;
     let script = format!(
@@ -80,7 +64,7 @@ fn fetch(workspace: &Workspace, folder: &Path, packages: &[&str], name: &str, en
     // Written last, and under another name first: a broken fetch leaves no program.
     let (unfinished, program) = (folder.join(format!("{name}.part")), folder.join(name));
     fs::write(&unfinished, script)?;
-    cmd!(sh, "chmod +x {unfinished}").quiet().run()?;
+    run!("chmod +x {unfinished}")?;
     fs::rename(&unfinished, &program)?;
     Ok(())
 }

@@ -1,16 +1,12 @@
 //! Reads the headers: the few forms of C that cbindgen writes, with their comments. Any other line is an error, so no declaration can
 //! be missing from what is generated.
 
+use crate::prelude::*;
+
 pub mod csharp;
 pub mod python;
 
-use std::path::Path;
 use std::sync::LazyLock;
-
-use anyhow::{Context, Result, bail, ensure};
-use regex_lite::Regex;
-
-use crate::files;
 
 /// The folder of the headers.
 pub const INCLUDE: &str = "include";
@@ -28,13 +24,8 @@ pub const HEADERS: &[&str] = &[
 ];
 
 /// The headers of a folder as one text.
-pub fn read(include: &Path) -> Result<String> {
-    read_these(include, HEADERS)
-}
-
-/// Some of the headers, each after those that it includes.
-pub fn read_these(include: &Path, names: &[&str]) -> Result<String> {
-    Ok(joined(&names.iter().map(|name| files::read(&include.join(name))).collect::<Result<Vec<_>>>()?))
+pub fn read(include: impl AsRef<Path>) -> Result<String> {
+    Ok(joined(&HEADERS.iter().map(|name| crate::files::read(include.as_ref().join(name))).collect::<Result<Vec<_>>>()?))
 }
 
 /// Headers, each after those that it includes, as one text.
@@ -44,7 +35,6 @@ pub fn joined(headers: &[String]) -> String {
 }
 
 /// A C type: its name, the number of pointer stars, and the array length.
-#[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Type {
     pub base: String,
     pub pointers: usize,
@@ -53,7 +43,6 @@ pub struct Type {
 }
 
 /// A field or a parameter.
-#[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Variable {
     pub name: String,
     pub kind: Type,
@@ -62,7 +51,6 @@ pub struct Variable {
 /// The name and the value of an enumerator.
 pub type Variant = (String, String);
 
-#[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Form {
     Define(String),
     Enum(Vec<Variant>),
@@ -74,7 +62,6 @@ pub enum Form {
     Function(Type, Vec<Variable>),
 }
 
-#[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Item {
     pub docs: Vec<String>,
     pub name: String,
@@ -91,32 +78,29 @@ pub fn functions(text: &str) -> Result<Vec<Item>> {
 }
 
 /// What all enumerators of a type begin with: its own name where they do, as those of results do not.
-fn prefix(name: &str, variants: &[Variant]) -> String {
-    let mut own = String::new();
-    for letter in name.chars() {
-        if letter.is_ascii_uppercase() && !own.is_empty() {
-            own.push('_');
-        }
-        own.push(letter.to_ascii_uppercase());
-    }
-    own.push('_');
-    if variants.iter().all(|(name, _)| name.starts_with(&own)) { own } else { "CRUMPLE_".to_owned() }
+fn prefix(name: &str, variants: &[Variant]) -> Result<String> {
+    let own = Regex::new("([a-z0-9])([A-Z])")?.replace_all(name, "${1}_$2").to_uppercase() + "_";
+    Ok(if variants.iter().all(|(name, _)| name.starts_with(&own)) { own } else { "CRUMPLE_".to_owned() })
 }
 
+/// The numbers of C, each with its name in C#.
+const NUMBERS: &str = "float float double double size_t UIntPtr uint8_t byte uint16_t ushort uint32_t uint uint64_t ulong int32_t int \
+                       int64_t long";
+
 /// A number of C in C# and in Python's ctypes.
-fn number(name: &str) -> Result<(&'static str, &'static str)> {
-    Ok(match name {
-        "float" => ("float", "c.c_float"),
-        "double" => ("double", "c.c_double"),
-        "size_t" => ("UIntPtr", "c.c_size_t"),
-        "uint8_t" => ("byte", "c.c_uint8"),
-        "uint16_t" => ("ushort", "c.c_uint16"),
-        "uint32_t" => ("uint", "c.c_uint32"),
-        "uint64_t" => ("ulong", "c.c_uint64"),
-        "int32_t" => ("int", "c.c_int32"),
-        "int64_t" => ("long", "c.c_int64"),
-        _ => bail!("{name:?} is a type that is not declared"),
-    })
+fn number(name: &str) -> Result<(&'static str, String)> {
+    let mut words = NUMBERS.split(' ');
+    while let (Some(c), Some(csharp)) = (words.next(), words.next()) {
+        if c == name {
+            return Ok((csharp, format!("c.c_{}", if c == "size_t" { c } else { c.trim_end_matches("_t") })));
+        }
+    }
+    bail!("{name:?} is a type that is not declared")
+}
+
+/// What is declared under a name.
+pub fn declared<'a>(items: &'a [Item], name: &str) -> Option<&'a Form> {
+    items.iter().find(|item| item.name == name).map(|item| &item.form)
 }
 
 /// Breaks a declaration after commas where it would be wider.
@@ -171,39 +155,33 @@ pub fn header(text: &str) -> Result<Vec<Item>> {
 fn form(text: &str) -> Result<(String, Form)> {
     let code: Vec<&str> = text.lines().map(str::trim).filter(|line| !line.starts_with("///")).collect();
     let code = code.join(" ");
-    let parts = |pattern| -> Result<Option<[&str; 3]>> {
+    let parts = |pattern| -> Result<Option<[String; 3]>> {
         let found = Regex::new(pattern)?.captures(&code);
-        Ok(found.map(|found| [1, 2, 3].map(|part| found.get(part).map_or("", |part| part.as_str()))))
+        Ok(found.map(|found| [1, 2, 3].map(|part| found.get(part).map_or("", |part| part.as_str()).to_owned())))
     };
     if let Some([name, value, _]) = parts(r"^#define (\w+) +(.+)$")? {
-        return Ok((name.to_owned(), Form::Define(value.to_owned())));
-    }
-    if let Some([list, name, _]) = parts(r"^typedef enum \w+ \{ (.*?),? \} (\w+);$")? {
-        return Ok((name.to_owned(), Form::Enum(list.split(',').map(variant).collect::<Result<_>>()?)));
-    }
-    if let Some([list, name, _]) = parts(r"^typedef struct \w+ \{ (.*); \} (\w+);$")? {
-        return Ok((name.to_owned(), Form::Struct(list.split(';').map(variable).collect::<Result<_>>()?)));
-    }
-    if let Some([name, again, _]) = parts(r"^typedef struct (\w+) (\w+);$")? {
+        Ok((name, Form::Define(value)))
+    } else if let Some([list, name, _]) = parts(r"^typedef enum \w+ \{ (.*?),? \} (\w+);$")? {
+        let variant =
+            |text: &str| Some(text.trim().split_once(" = ").map(|(name, value)| (name.into(), value.into()))?);
+        let variants = list.split(',').map(variant).collect::<Option<_>>().context("an enumerator has no value")?;
+        Ok((name, Form::Enum(variants)))
+    } else if let Some([list, name, _]) = parts(r"^typedef struct \w+ \{ (.*); \} (\w+);$")? {
+        Ok((name, Form::Struct(list.split(';').map(variable).collect::<Result<_>>()?)))
+    } else if let Some([name, again, _]) = parts(r"^typedef struct (\w+) (\w+);$")? {
         ensure!(name == again, "{name} and {again} should be one name");
-        return Ok((name.to_owned(), Form::Opaque));
+        Ok((name, Form::Opaque))
+    } else if let Some([result, name, list]) = parts(r"^typedef (.+)\(\*(\w+)\)\((.+)\);$")? {
+        Ok((name, Form::Callback(variable(&format!("{result} result"))?.kind, parameters(&list)?)))
+    } else {
+        let [function, list, _] = parts(r"^(.+)\((.+)\);$")?.context("no declaration")?;
+        let Variable { name, kind: result } = variable(&function)?;
+        Ok((name, Form::Function(result, parameters(&list)?)))
     }
-    if let Some([result, name, list]) = parts(r"^typedef (.+)\(\*(\w+)\)\((.+)\);$")? {
-        let result = variable(&format!("{result} result"))?.kind;
-        return Ok((name.to_owned(), Form::Callback(result, parameters(list)?)));
-    }
-    let [function, list, _] = parts(r"^(.+)\((.+)\);$")?.context("no declaration")?;
-    let Variable { name, kind: result } = variable(function)?;
-    Ok((name, Form::Function(result, parameters(list)?)))
 }
 
 fn parameters(list: &str) -> Result<Vec<Variable>> {
     if list == "void" { Ok(Vec::new()) } else { list.split(',').map(variable).collect() }
-}
-
-fn variant(text: &str) -> Result<Variant> {
-    let (name, value) = text.trim().split_once(" = ").with_context(|| format!("{text:?} has no value"))?;
-    Ok((name.to_owned(), value.to_owned()))
 }
 
 /// `const T *name[4]`.

@@ -1,12 +1,10 @@
 //! What many stages do with files and folders. Errors name the path.
 
-use std::fs;
-use std::path::{Path, PathBuf};
-
-use anyhow::{Context, Result, ensure};
+use crate::prelude::*;
 
 /// Removes `directory` if it exists and creates it empty.
-pub fn empty_directory(directory: &Path) -> Result<()> {
+pub fn empty_directory(directory: impl AsRef<Path>) -> Result<()> {
+    let directory = directory.as_ref();
     if directory.exists() {
         fs::remove_dir_all(directory).with_context(|| format!("removing {}", directory.display()))?;
     }
@@ -14,7 +12,8 @@ pub fn empty_directory(directory: &Path) -> Result<()> {
 }
 
 /// Creates a folder if it does not exist.
-pub fn make(folder: &Path) -> Result<()> {
+pub fn make(folder: impl AsRef<Path>) -> Result<()> {
+    let folder = folder.as_ref();
     fs::create_dir_all(folder).with_context(|| format!("creating {}", folder.display()))
 }
 
@@ -25,13 +24,14 @@ pub fn announce(file: &Path) -> Result<()> {
 }
 
 /// The files below a folder in order, without symbolic links.
-pub fn files(folder: &Path) -> Result<Vec<PathBuf>> {
+pub fn files(folder: impl AsRef<Path>) -> Result<Vec<PathBuf>> {
+    let folder = folder.as_ref();
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).with_context(|| format!("reading {}", folder.display()))? {
         let entry = entry?;
         let kind = entry.file_type()?;
         if kind.is_dir() {
-            found.extend(files(&entry.path())?);
+            found.extend(files(entry.path())?);
         } else if kind.is_file() {
             found.push(entry.path());
         }
@@ -41,7 +41,7 @@ pub fn files(folder: &Path) -> Result<Vec<PathBuf>> {
 }
 
 /// Those of them whose names end with one of these extensions.
-pub fn files_of(folder: &Path, extensions: &[&str]) -> Result<Vec<PathBuf>> {
+pub fn files_of(folder: impl AsRef<Path>, extensions: &[&str]) -> Result<Vec<PathBuf>> {
     let mut found = files(folder)?;
     found.retain(|file| file.extension().is_some_and(|own| extensions.iter().any(|extension| own == *extension)));
     Ok(found)
@@ -57,16 +57,18 @@ pub fn within(folder: &Path, path: &Path) -> Result<String> {
 }
 
 /// The bytes of a file.
-pub fn bytes(path: &Path) -> Result<Vec<u8>> {
+pub fn bytes(path: impl AsRef<Path>) -> Result<Vec<u8>> {
+    let path = path.as_ref();
     fs::read(path).with_context(|| format!("reading {}", path.display()))
 }
 
 /// The text of a file, with one kind of line ends.
-pub fn read(path: &Path) -> Result<String> {
+pub fn read(path: impl AsRef<Path>) -> Result<String> {
     Ok(String::from_utf8_lossy(&bytes(path)?).replace("\r\n", "\n"))
 }
 
-pub fn write(path: &Path, contents: impl AsRef<[u8]>) -> Result<()> {
+pub fn write(path: impl AsRef<Path>, contents: impl AsRef<[u8]>) -> Result<()> {
+    let path = path.as_ref();
     fs::write(path, contents).with_context(|| format!("writing {}", path.display()))
 }
 
@@ -77,7 +79,8 @@ pub fn name(path: &Path) -> Result<String> {
 }
 
 /// Copies a file, and makes the folder for it.
-pub fn copy(from: &Path, to: &Path) -> Result<()> {
+pub fn copy(from: impl AsRef<Path>, to: &Path) -> Result<()> {
+    let from = from.as_ref();
     make(to.parent().context("files lie in folders")?)?;
     // A running program keeps the old file: overwriting it would change the program's memory.
     if to.exists() {
@@ -88,12 +91,13 @@ pub fn copy(from: &Path, to: &Path) -> Result<()> {
 }
 
 /// Copies a file into a folder.
-pub fn copy_into(file: &Path, folder: &Path) -> Result<()> {
-    copy(file, &folder.join(name(file)?))
+pub fn copy_into(file: impl AsRef<Path>, folder: &Path) -> Result<()> {
+    copy(&file, &folder.join(name(file.as_ref())?))
 }
 
 /// Copies the files of a folder into another, with the folders between.
-pub fn copy_tree(from: &Path, to: &Path) -> Result<()> {
+pub fn copy_tree(from: impl AsRef<Path>, to: &Path) -> Result<()> {
+    let from = from.as_ref();
     files(from)?.iter().try_for_each(|file| copy(file, &to.join(within(from, file)?)))
 }
 

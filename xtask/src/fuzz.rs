@@ -1,17 +1,6 @@
 //! Coverage-guided fuzzing on the stable toolchain. Code generation flags switch on the compiler's coverage pass.
 
-use std::collections::BTreeMap;
-use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::Command;
-
-use anyhow::{Context, Result, ensure};
-use clap::Args;
-use xshell::cmd;
-
-use crate::files::{copy_into, empty_directory, files, make, read};
-use crate::vulkan;
-use crate::workspace::{Workspace, jobs, side_by_side};
+use crate::prelude::*;
 
 /// Instruments the code for libFuzzer's coverage.
 const COVERAGE: &str = "--cfg=fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 \
@@ -55,19 +44,18 @@ pub struct Options {
     keep: bool,
 }
 
-pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
-    let targets = targets(workspace)?;
+pub fn run(options: &Options) -> Result<()> {
+    let targets = targets()?;
     for name in &options.target {
         ensure!(targets.contains(name), "there is no target {name:?}; there are: {}", targets.join(", "));
     }
-    let home = home(workspace, options.address);
-    let programs = build(workspace, &home, options)?;
-    let corpora = options.corpus.clone().unwrap_or_else(|| workspace.target.join("fuzz/corpus"));
+    let home = home(options.address);
+    let programs = build(&home, options)?;
+    let corpora = options.corpus.clone().unwrap_or_else(|| in_target("fuzz/corpus"));
     let chosen = targets.iter().filter(|name| options.target.is_empty() || options.target.contains(name));
     let mut chosen = chosen.map(|name| {
-        let (program, corpus, kept) =
-            (programs.join(name), corpora.join(name), workspace.path("fuzz/corpus").join(name));
-        Target { workspace, name, program, corpus, kept }
+        let (program, corpus, kept) = (programs.join(name), corpora.join(name), in_root("fuzz/corpus").join(name));
+        Target { name, program, corpus, kept }
     });
     if options.coverage {
         return coverage(chosen);
@@ -81,7 +69,6 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
 
 /// A program that is fuzzed.
 struct Target<'a> {
-    workspace: &'a Workspace,
     name: &'a str,
     program: PathBuf,
     /// The folder of the inputs that it found interesting.
@@ -93,7 +80,7 @@ struct Target<'a> {
 impl Target<'_> {
     /// Its call. It adds to the corpus, reads what is kept too, and leaves what breaks it in `found`.
     fn fuzzer(&self, options: &Options, found: &Path) -> Result<(String, Command)> {
-        let Self { workspace, name, program, corpus, kept } = self;
+        let Self { name, program, corpus, kept } = self;
         for folder in [corpus, found] {
             make(folder)?;
         }
@@ -103,18 +90,17 @@ impl Target<'_> {
         let artifacts = format!("-artifact_prefix={}/", found.display());
         let limits = ["-timeout=30", "-rss_limit_mb=2048", "-malloc_limit_mb=1024", "-max_len=65536"];
         let mut fuzz = cmd!(
-            workspace.shell,
             "{program} {folders...} {artifacts} {limits...} -max_total_time={seconds} -seed={seed} -print_final_stats=1"
         )
         .env("CRUMPLE_SEEDS", corpus);
-        let dictionary = workspace.path("fuzz/dictionaries").join(name);
+        let dictionary = in_root("fuzz/dictionaries").join(name);
         if dictionary.exists() {
             fuzz = fuzz.arg(format!("-dict={}", dictionary.display()));
         }
         if *name == "device" {
             // Both software drivers, if they are there. Mesa's device selection layer prints errors without a display.
             fuzz = fuzz.env("NODEVICE_SELECT", "1");
-            if let Ok(drivers) = vulkan::drivers(workspace) {
+            if let Ok(drivers) = vulkan::drivers() {
                 fuzz = fuzz.env("VK_DRIVER_FILES", std::env::join_paths(drivers)?);
             }
         }
@@ -123,10 +109,10 @@ impl Target<'_> {
 
     /// Replaces what is kept by the smallest of those inputs of the corpus that together reach all that it reaches.
     fn keep(&self) -> Result<()> {
-        let Self { workspace, program, corpus, kept, .. } = self;
+        let Self { program, corpus, kept, .. } = self;
         let merged = corpus.with_extension("merged");
         empty_directory(&merged)?;
-        cmd!(workspace.shell, "{program} -set_cover_merge=1 {merged} {corpus}").quiet().run()?;
+        run!("{program} -set_cover_merge=1 {merged} {corpus}")?;
         let sized = |file: PathBuf| Ok((fs::metadata(&file)?.len(), file));
         let mut all = files(&merged)?.into_iter().map(sized).collect::<Result<Vec<_>>>()?;
         all.sort();
@@ -145,16 +131,16 @@ impl Target<'_> {
     /// Runs the corpus once. Returns the lines of `src` where the compiler counts, each with whether it was reached: binutils' addr2line
     /// names the lines of the places.
     fn lines(&self) -> Result<Vec<((PathBuf, u32), bool)>> {
-        let Self { workspace, program, corpus, .. } = self;
+        let Self { program, corpus, .. } = self;
         make(corpus)?;
         let places = corpus.with_extension("places");
-        cmd!(workspace.shell, "{program}").env("CRUMPLE_SEEDS", corpus).env("CRUMPLE_COVERAGE", &places).run()?;
+        cmd!("{program}").env("CRUMPLE_SEEDS", corpus).env("CRUMPLE_COVERAGE", &places).run()?;
         let places = read(&places)?;
         let (addresses, reached): (Vec<&str>, Vec<bool>) =
             places.lines().filter_map(|line| line.split_once(' ')).map(|(address, hit)| (address, hit == "1")).unzip();
-        let named = cmd!(workspace.shell, "addr2line -e {program}").stdin(addresses.join("\n")).read()?;
+        let named = cmd!("addr2line -e {program}").stdin(addresses.join("\n")).read()?;
         ensure!(named.lines().count() == reached.len(), "addr2line named another number of lines");
-        let source = workspace.path("src");
+        let source = in_root("src");
         let line = |(line, reached): (&str, bool)| {
             // FILE:LINE, and sometimes " (discriminator 2)".
             let (file, number) = line.split(' ').next()?.rsplit_once(':')?;
@@ -189,26 +175,26 @@ fn coverage<'a>(targets: impl Iterator<Item = Target<'a>>) -> Result<()> {
 }
 
 /// The names of the targets.
-fn targets(workspace: &Workspace) -> Result<Vec<String>> {
-    let names = files(&workspace.path("fuzz/src/bin"))?.into_iter();
+fn targets() -> Result<Vec<String>> {
+    let names = files("fuzz/src/bin")?.into_iter();
     Ok(names.filter_map(|file| Some(file.file_stem()?.to_string_lossy().into_owned())).collect())
 }
 
 /// Cargo's target directory.
-fn home(workspace: &Workspace, address: bool) -> PathBuf {
-    workspace.target.join(if address { "fuzz-address" } else { "fuzz" })
+fn home(address: bool) -> PathBuf {
+    in_target(if address { "fuzz-address" } else { "fuzz" })
 }
 
 /// Builds all targets, and returns the folder of the programs.
-fn build(workspace: &Workspace, home: &Path, options: &Options) -> Result<PathBuf> {
-    let host = workspace.rustc("host")?;
-    let manifest = workspace.path("fuzz/Cargo.toml");
+fn build(home: &Path, options: &Options) -> Result<PathBuf> {
+    let host = rustc_says("host")?;
+    let manifest = in_root("fuzz/Cargo.toml");
     let (address, profile) = (options.address, &options.profile);
     let flags = if address { format!("{COVERAGE} -Zsanitizer=address") } else { COVERAGE.to_owned() };
     // --target keeps build scripts and macros free of instrumentation.
     let arguments = ["--profile", profile, "--target", &host];
-    let mut build = cmd!(workspace.shell, "cargo build --manifest-path {manifest} --target-dir {home} {arguments...}")
-        .env("RUSTFLAGS", flags);
+    let mut build =
+        cmd!("cargo build --manifest-path {manifest} --target-dir {home} {arguments...}").env("RUSTFLAGS", flags);
     if address {
         // The compiler calls sanitizers unstable.
         build = build.env("RUSTC_BOOTSTRAP", "1");
@@ -218,13 +204,13 @@ fn build(workspace: &Workspace, home: &Path, options: &Options) -> Result<PathBu
 }
 
 /// Runs every target for a short time, with the same inputs each time.
-pub fn stage(workspace: &Workspace) -> Result<()> {
-    run(workspace, &for_stage())
+pub fn stage() -> Result<()> {
+    run(&for_stage())
 }
 
 /// Builds what the stage runs.
-pub fn build_for_stage(workspace: &Workspace) -> Result<()> {
-    build(workspace, &home(workspace, false), &for_stage()).map(drop)
+pub fn build_for_stage() -> Result<()> {
+    build(&home(false), &for_stage()).map(drop)
 }
 
 fn for_stage() -> Options {

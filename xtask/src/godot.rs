@@ -2,22 +2,8 @@
 //! and Mesa's driver are packages of Debian sid, unpacked below the target directory beside the system. Another engine may be named by
 //! `CRUMPLE_GODOT`.
 
+use crate::prelude::*;
 use std::net::UdpSocket;
-use std::path::{Path, PathBuf};
-use std::process::Command;
-
-use anyhow::{Context, Result, ensure};
-use clap::Args;
-use xshell::{Cmd, PushEnv, cmd};
-
-use crate::files::{announce, copy, copy_into, copy_tree, empty_directory, make, read, write};
-use crate::package::{archive, licenses, markdown, nothing_of_this_machine, time};
-use crate::stage::all_passed;
-use crate::target::{self, Target};
-use crate::tools::{self, MINGW, WINDOWS_RUST};
-use crate::wine::Display;
-use crate::workspace::{Background, Workspace};
-use crate::{car, debian, vulkan};
 
 const BINDING: &str = "bindings/godot";
 const PROJECT: &str = "bindings/godot/project";
@@ -57,21 +43,18 @@ pub struct Options {
     demo: bool,
 }
 
-pub fn run(workspace: &Workspace) -> Result<()> {
-    let engine = engine(workspace)?;
-    build(workspace)?;
-    let project = lay_out(workspace, &workspace.target.join("godot/debug/libcrumple_godot.so"))?;
-    let tests = Tests { workspace, engine: &engine, project: &project };
+pub fn run() -> Result<()> {
+    let engine = engine()?;
+    build()?;
+    let project = lay_out(&in_target("godot/debug/libcrumple_godot.so"))?;
+    let tests = Tests { engine: &engine, project: &project };
     // What the engine writes stays out of the user's folders.
-    let _home = home(workspace, &project.with_file_name("home"));
+    let _home = home(&project.with_file_name("home"));
     let unit = tests.headless("unit", &["--fixed-fps", "60"], THREADS);
     // The editor imports what the unit tests wrote.
     let imported = tests.import().and_then(|()| tests.headless("imported", &[], THREADS));
-    let mut results = vec![
-        ("the extension's own tests", cargo(workspace, &["test"])),
-        ("the classes", unit),
-        ("the editor's import", imported),
-    ];
+    let mut results =
+        vec![("the extension's own tests", cargo(&["test"])), ("the classes", unit), ("the editor's import", imported)];
     for (physics, apart) in PHYSICS {
         let settings = format!("3d/physics_engine=\"{physics}\"\n3d/run_on_separate_thread={apart}\n");
         let settings = format!("{THREADS}\n[physics]\n\n{settings}");
@@ -89,50 +72,49 @@ pub fn run(workspace: &Workspace) -> Result<()> {
 }
 
 /// Builds the extension and its tests.
-pub fn build(workspace: &Workspace) -> Result<()> {
-    cargo(workspace, &["build"])?;
-    cargo(workspace, &["test", "--no-run"])
+pub fn build() -> Result<()> {
+    cargo(&["build"])?;
+    cargo(&["test", "--no-run"])
 }
 
-fn cargo(workspace: &Workspace, what: &[&str]) -> Result<()> {
-    let (manifest, target) = (manifest(workspace), workspace.target.join("godot"));
-    let cargo = cmd!(workspace.shell, "cargo {what...} --locked --manifest-path {manifest} --target-dir {target}");
+fn cargo(what: &[&str]) -> Result<()> {
+    let (manifest, target) = (manifest(), in_target("godot"));
+    let cargo = cmd!("cargo {what...} --locked --manifest-path {manifest} --target-dir {target}");
     // The binding's own profile has no debug information: its bindings of the whole engine are large.
     Ok(cargo.env_remove("CARGO_PROFILE_DEV_DEBUG").run()?)
 }
 
 /// The program of the engine, fetched on the first call.
-pub fn engine(workspace: &Workspace) -> Result<PathBuf> {
-    debian::program(workspace, ENGINE, "godot-engine", PACKAGES, "godot", "")
+pub fn engine() -> Result<PathBuf> {
+    debian::program(ENGINE, "godot-engine", PACKAGES, "godot", "")
 }
 
 /// Copies the example project with the extension, the hood and the car. Returns the copy's folder.
-fn lay_out(workspace: &Workspace, library: &Path) -> Result<PathBuf> {
-    let project = workspace.target.join("godot/project");
+fn lay_out(library: &Path) -> Result<PathBuf> {
+    let project = in_target("godot/project");
     empty_directory(&project)?;
-    workspace.copy_sources(PROJECT, &["."], &project)?;
+    copy_sources(PROJECT, &["."], &project)?;
     copy(library, &project.join("addons/crumple/bin/libcrumple_godot.so"))?;
-    copy(&workspace.path("assets/demo/hood.glb"), &project.join("assets/hood.glb"))?;
-    lay_out_generated(workspace, &project)?;
+    copy("assets/demo/hood.glb", &project.join("assets/hood.glb"))?;
+    lay_out_generated(&project)?;
     Ok(project)
 }
 
 /// Writes what the demo needs beside the files of the repository: the car, and the list of extensions that the editor writes when it
 /// finds one.
-fn lay_out_generated(workspace: &Workspace, project: &Path) -> Result<()> {
+fn lay_out_generated(project: &Path) -> Result<()> {
     // Wheels are nodes of their own.
-    car::lay_out(workspace, &project.join("assets"), &["--moving", "wheel_*"])?;
+    car::lay_out(&project.join("assets"), &["--moving", "wheel_*"])?;
     make(&project.join(".godot"))?;
     write(&project.join(".godot/extension_list.cfg"), "res://addons/crumple/crumple.gdextension\n")
 }
 
 /// Makes the engine write below a folder until the result is dropped.
-pub fn home<'a>(workspace: &'a Workspace, folder: &Path) -> [PushEnv<'a>; 3] {
-    HOME.map(|name| workspace.shell.push_env(name, folder.join(name)))
+pub fn home<'a>(folder: &Path) -> [PushEnv<'static>; 3] {
+    HOME.map(|name| sh().push_env(name, folder.join(name)))
 }
 
 struct Tests<'a> {
-    workspace: &'a Workspace,
     engine: &'a Path,
     project: &'a Path,
 }
@@ -179,10 +161,10 @@ impl<'a> Tests<'a> {
     /// Draws on Mesa's software driver, on a display without a screen.
     fn drawn(&self, suites: &[&str], settings: &str) -> Result<()> {
         self.settings(settings)?;
-        let (sh, display) = (&self.workspace.shell, Display::start()?);
-        let _display = sh.push_env("DISPLAY", &display.name);
+        let display = Display::start()?;
+        let _display = sh().push_env("DISPLAY", &display.name);
         // The fetched engine sets its own.
-        let _driver = vulkan::lavapipe().ok().map(|driver| sh.push_env("VK_DRIVER_FILES", driver));
+        let _driver = vulkan::lavapipe().ok().map(|driver| sh().push_env("VK_DRIVER_FILES", driver));
         let options = ["--rendering-driver", "vulkan", "--audio-driver", "Dummy", "--fixed-fps", "60"];
         self.run(&[&options[..], &["res://tests/tests.tscn"]].concat(), &[&["--"], suites].concat())
     }
@@ -201,9 +183,9 @@ impl<'a> Tests<'a> {
         Ok(())
     }
 
-    fn engine(&self, options: &[&str], arguments: &[&str]) -> Cmd<'a> {
-        let Self { workspace, engine, project } = self;
-        cmd!(workspace.shell, "timeout {PATIENCE} {engine} --path {project} {options...} {arguments...}")
+    fn engine(&self, options: &[&str], arguments: &[&str]) -> Cmd<'static> {
+        let Self { engine, project } = self;
+        cmd!("timeout {PATIENCE} {engine} --path {project} {options...} {arguments...}")
     }
 
     /// Runs the engine and looks through its output.
@@ -226,52 +208,52 @@ impl<'a> Tests<'a> {
 }
 
 /// `cargo xtask addon`: the archive.
-pub fn pack(workspace: &Workspace, options: &Options) -> Result<()> {
-    let mut targets = vec![Target::host(workspace)?];
+pub fn pack(options: &Options) -> Result<()> {
+    let mut targets = vec![Target::host()?];
     if options.windows {
-        tools::require(workspace, &[WINDOWS_RUST, MINGW])?;
-        targets.push(Target::other(target::WINDOWS));
+        tools::require(&[WINDOWS_RUST, MINGW])?;
+        targets.push(Target::other(WINDOWS));
     }
-    let stage = workspace.target.join("package/godot");
+    let stage = in_target("package/godot");
     empty_directory(&stage)?;
     let addon = stage.join(ADDON);
-    workspace.copy_sources(PROJECT, &[ADDON], &stage)?;
+    copy_sources(PROJECT, &[ADDON], &stage)?;
     for target in &targets {
         println!("Building for {}; the bindings of the whole engine take minutes.", target.triple);
-        copy_into(&release(workspace, target)?, &addon.join("bin"))?;
+        copy_into(&release(target)?, &addon.join("bin"))?;
     }
-    markdown::copy_page(&workspace.path(BINDING).join("README.md"), &addon)?;
-    workspace.copy_licenses(&addon)?;
-    let linked = licenses::linked_of(workspace, &manifest(workspace), &targets)?;
-    licenses::write_all(workspace, &linked, &addon)?;
+    markdown::copy_page(&in_root(BINDING).join("README.md"), &addon)?;
+    copy_licenses(&addon)?;
+    let linked = licenses::linked_of(&manifest(), &targets)?;
+    licenses::write_all(&linked, &addon)?;
 
-    let out = workspace.path(&options.out);
+    let out = in_root(&options.out);
     make(&out)?;
-    let archive = out.join(format!("crumple-godot-{}.zip", workspace.version));
-    archive::write(&stage.join("addons"), &archive, time(workspace)?)?;
+    let archive = out.join(format!("crumple-godot-{}.zip", VERSION));
+    archive::write(&stage.join("addons"), &archive, time()?)?;
     if options.demo {
         let project = out.join("demo");
         empty_directory(&project)?;
-        workspace.copy_sources(PROJECT, &["project.godot", "demo"], &project)?;
+        copy_sources(PROJECT, &["project.godot", "demo"], &project)?;
         copy_tree(&stage, &project)?;
-        lay_out_generated(workspace, &project)?;
+        lay_out_generated(&project)?;
         println!("{0} is the demo: godot --path {0}", project.display());
     }
     announce(&archive)?;
     Ok(())
 }
 
-fn manifest(workspace: &Workspace) -> PathBuf {
-    workspace.path(BINDING).join("Cargo.toml")
+fn manifest() -> PathBuf {
+    in_root(BINDING).join("Cargo.toml")
 }
 
 /// The library of a release build, without paths of this machine.
-fn release(workspace: &Workspace, target: &Target) -> Result<PathBuf> {
-    let directory = workspace.target.join("godot");
-    let cargo = target.cargo(workspace, &["build", "--release", "--locked"])?;
-    cargo.arg("--manifest-path").arg(manifest(workspace)).arg("--target-dir").arg(&directory).run()?;
+fn release(target: &Target) -> Result<PathBuf> {
+    let directory = in_target("godot");
+    let cargo = target.cargo(&["build", "--release", "--locked"])?;
+    cargo.arg("--manifest-path").arg(manifest()).arg("--target-dir").arg(&directory).run()?;
     let name = if target.is_windows() { "crumple_godot.dll" } else { "libcrumple_godot.so" };
     let library = if target.cross { directory.join(&target.triple) } else { directory }.join("release").join(name);
-    nothing_of_this_machine(workspace, std::slice::from_ref(&library))?;
+    nothing_of_this_machine(std::slice::from_ref(&library))?;
     Ok(library)
 }

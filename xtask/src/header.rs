@@ -1,13 +1,9 @@
 //! The headers, which cbindgen writes from the sources of `src/capi`, and the C# and Python declarations made from them: committed,
 //! and compared in CI.
 
-use anyhow::{Context, Result, anyhow, bail};
-use regex_lite::Regex;
+use crate::declarations::{csharp, python, wrapped};
+use crate::prelude::*;
 use similar::TextDiff;
-
-use crate::declarations::{self, HEADERS, INCLUDE, csharp, python, wrapped};
-use crate::files::{self, read};
-use crate::workspace::Workspace;
 
 /// The last line of an opening comment.
 const GENERATED: &str =
@@ -62,8 +58,8 @@ crumple_graph.h crumple_vulkan.h capi/graph_types capi/graph
 // Register vertex buffers with crumple_buffer_register_graph. Once a frame, crumple_graph_plan returns what to upload and to
 // dispatch, with kernels of crumple_graph_get_kernel. Crumple calls no graphics library.";
 
-pub fn run(workspace: &Workspace, check: bool) -> Result<()> {
-    let headers = generate(workspace)?;
+pub fn run(check: bool) -> Result<()> {
+    let headers = generate()?;
     let in_csharp = |(name, _): &(&&str, &String)| csharp::HEADERS.contains(name);
     let of_csharp: Vec<_> = HEADERS.iter().zip(&headers).filter(in_csharp).map(|(_, text)| text.clone()).collect();
     let (types, functions) = csharp::files(&declarations::header(&declarations::joined(&of_csharp))?)?;
@@ -74,17 +70,17 @@ pub fn run(workspace: &Workspace, check: bool) -> Result<()> {
     files.push((PYTHON.to_owned(), python));
     for (name, fresh) in &files {
         if check {
-            compare(workspace, name, fresh)?;
+            compare(name, fresh)?;
         } else {
-            files::write(&workspace.path(name), fresh)?;
+            write(name, fresh)?;
             println!("wrote {name}");
         }
     }
     Ok(())
 }
 
-fn compare(workspace: &Workspace, name: &str, fresh: &str) -> Result<()> {
-    let committed = read(&workspace.path(name))?;
+fn compare(name: &str, fresh: &str) -> Result<()> {
+    let committed = read(name)?;
     if committed != fresh {
         let committed_name = format!("{name} (committed)");
         let diff = TextDiff::from_lines(&committed, fresh);
@@ -96,12 +92,12 @@ fn compare(workspace: &Workspace, name: &str, fresh: &str) -> Result<()> {
 }
 
 /// The texts of `HEADERS`.
-fn generate(workspace: &Workspace) -> Result<Vec<String>> {
-    let shared = cbindgen::Config::from_file(workspace.path("cbindgen.toml"))
-        .map_err(|message| anyhow!("cbindgen.toml: {message}"))?;
+fn generate() -> Result<Vec<String>> {
+    let shared =
+        cbindgen::Config::from_file(in_root("cbindgen.toml")).map_err(|message| anyhow!("cbindgen.toml: {message}"))?;
     let part = |name: &&str| {
         let Some(part) = PARTS.split("\n\n").find(|part| part.starts_with(name)) else {
-            return write_header(workspace, CORE, shared.clone());
+            return write_header(CORE, shared.clone());
         };
         let (head, about) = part.split_once('\n').context("an opening comment")?;
         let [_, include, sources] = head.splitn(3, ' ').collect::<Vec<_>>()[..] else { bail!("{head:?} is no header") };
@@ -111,15 +107,15 @@ fn generate(workspace: &Workspace) -> Result<Vec<String>> {
             after_includes: Some(format!("\n#include \"{include}\"")),
             ..shared.clone()
         };
-        write_header(workspace, sources, config)
+        write_header(sources, config)
     };
     HEADERS.iter().map(part).collect()
 }
 
 /// What `sources` declare. Types of other files are written as they are named.
-fn write_header(workspace: &Workspace, sources: &str, mut config: cbindgen::Config) -> Result<String> {
+fn write_header(sources: &str, mut config: cbindgen::Config) -> Result<String> {
     config.function.args = cbindgen::Layout::Horizontal;
-    let files = sources.split(' ').map(|file| workspace.path(format!("src/{file}.rs")));
+    let files = sources.split(' ').map(|file| in_root(format!("src/{file}.rs")));
     let builder = files.fold(cbindgen::Builder::new(), |builder, file| builder.with_src(file));
     let bindings =
         builder.with_config(config).generate().context("cbindgen cannot read the sources; does the library build?")?;

@@ -10,19 +10,7 @@
 //!
 //! On Windows the shared library is PREFIX/bin/crumple.dll, and programs link PREFIX/lib/crumple.dll.lib.
 
-use std::collections::BTreeSet;
-use std::fs;
-use std::path::{Path, PathBuf};
-
-use anyhow::{Context, Result, ensure};
-use object::Object;
-use xshell::cmd;
-
-use crate::abi;
-use crate::declarations::{HEADERS, INCLUDE};
-use crate::files::{bytes, copy, copy_into, make, read, write};
-use crate::target::Target;
-use crate::workspace::{Workspace, rustc};
+use crate::prelude::*;
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Profile {
@@ -57,34 +45,29 @@ pub struct Built {
 
 /// Builds the C library. Only `Profile::Dist` builds with just `features`. A debug build is the one that the tests use, with all
 /// features.
-pub fn build(
-    workspace: &Workspace,
-    target: Target,
-    profile: Profile,
-    features: &'static [&'static str],
-) -> Result<Built> {
+pub fn build(target: Target, profile: Profile, features: &'static [&'static str]) -> Result<Built> {
     match profile {
-        Profile::Debug => workspace.build_as_tested(&["--lib"]).run()?,
+        Profile::Debug => build_as_tested(&["--lib"]).run()?,
         Profile::Release => {
             // As CMakeLists.txt calls it, so that Cargo builds once for both.
             let release = ["build", "--release", "--lib", "--package", "crumple", "--no-default-features"];
             let features = ["capi", &FEATURES.join(",")].join(",");
-            workspace.cargo_anywhere(&release)?.args(["--features", &features]).run()?;
+            cargo_anywhere(&release)?.args(["--features", &features]).run()?;
         }
         Profile::Dist => {
             let features = features.join(",");
             // Cargo skips link-time optimization if the Rust library is built along.
             let dist =
                 ["rustc", "--profile", "dist", "--lib", "--crate-type", "cdylib,staticlib", "--package", "crumple"];
-            target.cargo(workspace, &dist)?.args(["--no-default-features", "--features", &features]).run()?;
+            target.cargo(&dist)?.args(["--no-default-features", "--features", &features]).run()?;
         }
     }
-    Ok(built(workspace, target, profile, features))
+    Ok(built(target, profile, features))
 }
 
 /// What was built for a system.
-pub fn built(workspace: &Workspace, target: Target, profile: Profile, features: &'static [&'static str]) -> Built {
-    let directory = target.directory(workspace, profile.directory());
+pub fn built(target: Target, profile: Profile, features: &'static [&'static str]) -> Built {
+    let directory = target.directory(profile.directory());
     let (shared, static_library) = (directory.join(target.shared()), directory.join(target.static_library()));
     Built { target, shared, static_library, features }
 }
@@ -96,17 +79,17 @@ pub fn installed(target: Target, prefix: &Path) -> Built {
 }
 
 /// What a program links beside the static library, such as `-lpthread`: `rustc` prints it for an empty one.
-fn static_needs(workspace: &Workspace, target: &Target) -> Result<Vec<String>> {
-    if !target.has_standard_library(workspace) {
+fn static_needs(target: &Target) -> Result<Vec<String>> {
+    if !target.has_standard_library() {
         // Compiling it for the question takes minutes.
         return Ok(target.static_needs().iter().map(|flag| (*flag).to_owned()).collect());
     }
     let scratch = tempfile::tempdir()?;
     let source = scratch.path().join("empty.rs");
     fs::write(&source, "")?;
-    let (sh, rustc, triple, empty) = (&workspace.shell, rustc(), &target.triple, scratch.path().join("empty.a"));
+    let (rustc, triple, empty) = (rustc(), &target.triple, scratch.path().join("empty.a"));
     let print = ["--crate-type", "staticlib", "--print", "native-static-libs", "-o"];
-    let output = cmd!(sh, "{rustc} --target {triple} {print...} {empty} {source}").quiet().read_stderr()?;
+    let output = cmd!("{rustc} --target {triple} {print...} {empty} {source}").quiet().read_stderr()?;
     let marker = "native-static-libs: ";
     let line = output.lines().find_map(|line| line.split(marker).nth(1));
     let line = line.with_context(|| format!("rustc printed no line with {marker:?}, but: {output}"))?;
@@ -114,28 +97,28 @@ fn static_needs(workspace: &Workspace, target: &Target) -> Result<Vec<String>> {
 }
 
 /// Builds and installs.
-pub fn run(workspace: &Workspace, prefix: &Path, profile: Profile) -> Result<()> {
-    let built = build(workspace, Target::host(workspace)?, profile, FEATURES)?;
-    let prefix = workspace.path(prefix);
-    lay_out(workspace, &built, &prefix)?;
-    println!("installed Crumple {} ({}) in {}", workspace.version, profile.directory(), prefix.display());
+pub fn run(prefix: &Path, profile: Profile) -> Result<()> {
+    let built = build(Target::host()?, profile, FEATURES)?;
+    let prefix = in_root(prefix);
+    lay_out(&built, &prefix)?;
+    println!("installed Crumple {} ({}) in {}", VERSION, profile.directory(), prefix.display());
     Ok(())
 }
 
 /// Copies the library, headers, licenses and package files below `prefix`.
-pub fn lay_out(workspace: &Workspace, built: &Built, prefix: &Path) -> Result<()> {
+pub fn lay_out(built: &Built, prefix: &Path) -> Result<()> {
     let lib = prefix.join("lib");
-    copy_shared(workspace, built, prefix)?;
+    copy_shared(built, prefix)?;
     copy_into(&built.static_library, &lib)?;
     for header in HEADERS.iter().chain(&["crumple.hpp"]) {
-        copy_into(&workspace.path(INCLUDE).join(header), &prefix.join("include"))?;
+        copy_into(&in_root(INCLUDE).join(header), &prefix.join("include"))?;
     }
-    workspace.copy_licenses(&prefix.join("share/licenses/crumple"))?;
-    let needs = static_needs(workspace, &built.target)?;
+    copy_licenses(&prefix.join("share/licenses/crumple"))?;
+    let needs = static_needs(&built.target)?;
     let libraries: Vec<&str> = needs.iter().map(|flag| flag.strip_prefix("-l").unwrap_or(flag)).collect();
     let values = [
-        ("VERSION", workspace.version.clone()),
-        ("SONAME", if built.target.is_linux() { abi::soname(&workspace.version) } else { String::new() }),
+        ("VERSION", VERSION.to_owned()),
+        ("SONAME", if built.target.is_linux() { abi::soname(&VERSION) } else { String::new() }),
         ("STATIC", built.target.static_library().to_owned()),
         ("STATIC_LIBS", needs.join(" ")),
         ("STATIC_LIBS_CMAKE", libraries.join(";")),
@@ -149,7 +132,7 @@ pub fn lay_out(workspace: &Workspace, built: &Built, prefix: &Path) -> Result<()
         ("crumple.pc", lib.join("pkgconfig")),
         ("static-libraries.txt", lib),
     ] {
-        let template = read(&workspace.path("cmake").join(format!("{name}.in")))?;
+        let template = read(&in_root("cmake").join(format!("{name}.in")))?;
         let text = values.iter().fold(template, |text, (key, value)| text.replace(&format!("@CRUMPLE_{key}@"), value));
         ensure!(!text.contains("@CRUMPLE_"), "cmake/{name}.in asks for what the installer does not know");
         make(&directory)?;
@@ -158,7 +141,7 @@ pub fn lay_out(workspace: &Workspace, built: &Built, prefix: &Path) -> Result<()
     Ok(())
 }
 
-fn copy_shared(workspace: &Workspace, built: &Built, prefix: &Path) -> Result<()> {
+fn copy_shared(built: &Built, prefix: &Path) -> Result<()> {
     let (lib, shared) = (prefix.join("lib"), &built.shared);
     if built.target.is_windows() {
         copy_into(shared, &prefix.join("bin"))?;
@@ -168,16 +151,16 @@ fn copy_shared(workspace: &Workspace, built: &Built, prefix: &Path) -> Result<()
             return copy_into(&shared.with_file_name(import), &lib);
         }
         make(&lib)?;
-        import_library(workspace, "crumple.dll", &abi::exports(shared)?, &lib.join(import))?;
+        import_library("crumple.dll", &abi::exports(shared)?, &lib.join(import))?;
         // The name that MinGW's linker finds for -lcrumple before the static library's.
         return copy(&lib.join(import), &lib.join("libcrumple.dll.a"));
     }
     if built.target.is_macos() {
         return copy_into(shared, &lib);
     }
-    let real = format!("libcrumple.so.{}", workspace.version);
+    let real = format!("libcrumple.so.{}", VERSION);
     copy(shared, &lib.join(&real))?;
-    for link in [abi::soname(&workspace.version), "libcrumple.so".to_owned()] {
+    for link in [abi::soname(&VERSION), "libcrumple.so".to_owned()] {
         let link = lib.join(link);
         if link.symlink_metadata().is_ok() {
             fs::remove_file(&link)?;
@@ -193,10 +176,10 @@ use std::os::unix::fs::symlink;
 use std::os::windows::fs::symlink_file as symlink;
 
 /// Writes the import library of a DLL that exports these names.
-pub fn import_library(workspace: &Workspace, dll: &str, exports: &[String], library: &Path) -> Result<()> {
+pub fn import_library(dll: &str, exports: &[String], library: &Path) -> Result<()> {
     let definition = library.with_extension("def");
     write(&definition, format!("LIBRARY {dll}\nEXPORTS\n{}\n", exports.join("\n")))?;
-    cmd!(workspace.shell, "llvm-dlltool -m i386:x86-64 -d {definition} -l {library}").quiet().run()?;
+    run!("llvm-dlltool -m i386:x86-64 -d {definition} -l {library}")?;
     fs::remove_file(&definition).with_context(|| format!("removing {}", definition.display()))
 }
 
@@ -207,11 +190,11 @@ pub fn shared(target: &Target, prefix: &Path) -> PathBuf {
 
 /// Checks that a host cannot unload a library for Linux while its threads are still ending, and that a DLL needs only libraries that
 /// Windows has.
-pub fn loads_well(workspace: &Workspace, target: &Target, library: &Path) -> Result<()> {
+pub fn loads_well(target: &Target, library: &Path) -> Result<()> {
     if target.is_windows() {
         return needs_windows_alone(library);
     }
-    let table = cmd!(workspace.shell, "readelf -d {library}").quiet().read()?;
+    let table = said!("readelf -d {library}")?;
     ensure!(table.contains("NODELETE"), "{} is not NODELETE; build.rs makes it so", library.display());
     Ok(())
 }

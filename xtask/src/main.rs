@@ -18,6 +18,7 @@ mod native;
 mod nightly;
 mod package;
 mod platforms;
+mod prelude;
 mod python;
 mod reference;
 mod repo;
@@ -105,6 +106,7 @@ enum Command {
     /// Run info, bake, sample and apply over a folder of glTF and OBJ files, and compare everything that no dent reached
     Sweep {
         /// The folder. An OBJ's examples are the files beside it whose names begin with its name and _
+        #[arg(value_parser = lab::absolute)]
         folder: PathBuf,
         /// Options for each of the commands, such as --join
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
@@ -140,35 +142,35 @@ fn main() -> ExitCode {
 }
 
 fn run(command: Command) -> Result<()> {
-    let mut workspace = workspace::Workspace::open()?;
+    workspace::enter()?;
     match command {
-        Command::Demo { out, gpu } => car::demo(&workspace, &out, gpu.as_deref()),
-        Command::Test(options) => test::run(&mut workspace, &options),
-        Command::Header { keep: true, .. } => abi::keep(&workspace),
-        Command::Header { check, .. } => header::run(&workspace, check),
+        Command::Demo { out, gpu } => car::demo(&out, gpu.as_deref()),
+        Command::Test(options) => test::run(&options),
+        Command::Header { keep: true, .. } => abi::keep(),
+        Command::Header { check, .. } => header::run(check),
         Command::Install { prefix, debug } => {
             let profile = if debug { install::Profile::Debug } else { install::Profile::Release };
-            install::run(&workspace, &prefix, profile)
+            install::run(&prefix, profile)
         }
-        Command::Package(options) => package::run(&workspace, &options),
-        Command::Wheel(options) => python::run(&workspace, &options),
-        Command::Addon(options) => godot::pack(&workspace, &options),
-        Command::Extension(options) => blender::run(&workspace, &options),
-        Command::Web(options) => web::run(&workspace, &options),
-        Command::Fuzz(options) => fuzz::run(&workspace, &options),
-        Command::Miri => nightly::miri(&workspace),
-        Command::Msan => nightly::memory(&workspace),
-        Command::Schedules => nightly::schedules(&workspace),
-        Command::Lab(options) => lab::run(&workspace, &options),
-        Command::Bench(options) => lab::bench(&workspace, &options),
-        Command::Soak(options) => soak::run(&workspace, &options),
+        Command::Package(options) => package::run(&options),
+        Command::Wheel(options) => python::run(&options),
+        Command::Addon(options) => godot::pack(&options),
+        Command::Extension(options) => blender::run(&options),
+        Command::Web(options) => web::run(&options),
+        Command::Fuzz(options) => fuzz::run(&options),
+        Command::Miri => nightly::miri(),
+        Command::Msan => nightly::memory(),
+        Command::Schedules => nightly::schedules(),
+        Command::Lab(options) => lab::run(&options),
+        Command::Bench(options) => lab::bench(&options),
+        Command::Soak(options) => soak::run(&options),
         Command::Sweep { folder, options } => {
-            let test = workspace.cargo(&["test", "--quiet", "--package", "crumple", "--features", "cli"]);
+            let test = workspace::cargo(&["test", "--quiet", "--package", "crumple", "--features", "cli"]);
             exports::sweep(test, &folder, &options.join(" "))
         }
-        Command::Ci { fail_fast } => test::ci(&workspace, fail_fast),
-        Command::Ahead => test::ahead(&workspace),
-        Command::Car(options) => car::run(&workspace, &options),
-        Command::Repo { fix } => repo::run(&workspace, fix),
+        Command::Ci { fail_fast } => test::ci(fail_fast),
+        Command::Ahead => test::ahead(),
+        Command::Car(options) => car::run(&options),
+        Command::Repo { fix } => repo::run(fix),
     }
 }

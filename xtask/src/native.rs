@@ -1,19 +1,7 @@
 //! Tests of the installed C library by C and C++ programs, plain and under gcc's sanitizers.
 
-use std::path::{Path, PathBuf};
-
-use anyhow::{Result, ensure};
-use regex_lite::Regex;
-use xshell::cmd;
-
-use crate::declarations::INCLUDE;
-use crate::files::{copy_into, empty_directory, files, read};
-use crate::install::{self, Profile};
-use crate::stage::all_passed;
-use crate::target::Target;
-use crate::tools::{BULLET, ODE, PNG, Tool, VULKAN, VULKAN_HEADERS};
-use crate::workspace::{Workspace, jobs};
-use crate::{abi, vulkan};
+use crate::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 /// CMake projects whose programs are tests, each with the name of its build directory.
 pub const OURS: &[(&str, &str)] = &[("examples-c", "examples-c"), ("tests/c", "tests-c")];
@@ -22,18 +10,21 @@ pub const TESTS: &[(&str, &str)] = &[OURS[1]];
 /// All projects: ours and Unity's renderer plugin.
 const ALL: &[(&str, &str)] = &[OURS[0], OURS[1], ("bindings/unity/native~", "unity")];
 
-pub fn install_release(workspace: &Workspace) -> Result<()> {
-    let prefix = release_prefix(workspace)?;
-    abi::exported(&workspace.path(INCLUDE), &install::shared(&Target::host(workspace)?, &prefix))
+/// Whether this run has installed the release library already.
+static INSTALLED: AtomicBool = AtomicBool::new(false);
+
+pub fn install_release() -> Result<()> {
+    let prefix = release_prefix()?;
+    abi::exported(&in_root(INCLUDE), &install::shared(&Target::host()?, &prefix))
 }
 
 /// Installs the release library of the present sources, once a run, and returns its folder.
-pub fn release_prefix(workspace: &Workspace) -> Result<PathBuf> {
-    let prefix = workspace.target.join("prefix");
-    if !workspace.installed.get() {
+pub fn release_prefix() -> Result<PathBuf> {
+    let prefix = in_target("prefix");
+    if !INSTALLED.load(Relaxed) {
         empty_directory(&prefix)?;
-        install::run(workspace, &prefix, Profile::Release)?;
-        workspace.installed.set(true);
+        install::run(&prefix, Profile::Release)?;
+        INSTALLED.store(true, Relaxed);
     }
     Ok(prefix)
 }
@@ -68,15 +59,12 @@ impl<'a> Build<'a> {
 }
 
 /// Builds every project against an installed library and runs its tests. A project that fails does not hide the others.
-pub fn test_projects(workspace: &Workspace, build: &Build<'_>) -> Result<()> {
+pub fn test_projects(build: &Build<'_>) -> Result<()> {
     let jobs = jobs().to_string();
     let test = |project: &str, name: &str| -> Result<()> {
-        let directory = workspace.target.join("ctest").join(build.kind).join(name);
-        compile(workspace, build, &workspace.path(project), &directory)?;
-        let tests = cmd!(
-            workspace.shell,
-            "ctest --test-dir {directory} --parallel {jobs} --output-on-failure --no-tests=error"
-        );
+        let directory = in_target("ctest").join(build.kind).join(name);
+        compile(build, &in_root(project), &directory)?;
+        let tests = cmd!("ctest --test-dir {directory} --parallel {jobs} --output-on-failure --no-tests=error");
         let left_out = [build.left_out].into_iter().filter(|names| !names.is_empty());
         Ok(tests.args(left_out.flat_map(|names| ["--exclude-regex", names])).run()?)
     };
@@ -85,85 +73,80 @@ pub fn test_projects(workspace: &Workspace, build: &Build<'_>) -> Result<()> {
 }
 
 /// Builds a project against an installed library.
-pub fn compile(workspace: &Workspace, build: &Build<'_>, source: &Path, directory: &Path) -> Result<()> {
+pub fn compile(build: &Build<'_>, source: &Path, directory: &Path) -> Result<()> {
     let Build { prefix, options, launcher, validation, .. } = build;
-    let (sh, jobs) = (&workspace.shell, jobs().to_string());
+    let jobs = jobs().to_string();
     // A program must not be left out if what it needs is installed.
-    let here = |tool: Tool| !build.cross && tool.here(workspace);
+    let here = |tool: Tool| !build.cross && tool.here();
     let ode = here(ODE).then_some("-DCRUMPLE_REQUIRE_ODE=ON");
     let bullet = here(BULLET).then_some("-DCRUMPLE_REQUIRE_BULLET=ON");
     let vulkan = (here(VULKAN_HEADERS) && here(PNG)).then_some("-DCRUMPLE_REQUIRE_VULKAN=ON");
     let drivers: Vec<String> = build.drivers.iter().map(|manifest| manifest.display().to_string()).collect();
     let drivers = format!("-DCRUMPLE_VULKAN_DRIVERS={}", drivers.join(";"));
     let validation = format!("-DCRUMPLE_VULKAN_VALIDATION={}", if *validation { "ON" } else { "OFF" });
-    cmd!(
-        sh,
+    silent!(
         "cmake -S {source} -B {directory} -DCMAKE_PREFIX_PATH={prefix} -DCMAKE_BUILD_TYPE=RelWithDebInfo
          {options...} {ode...} {bullet...} {vulkan...} {drivers} {validation}
          -DCMAKE_CROSSCOMPILING_EMULATOR={launcher} -DCMAKE_POLICY_DEFAULT_CMP0158=OLD --no-warn-unused-cli"
-    )
-    .quiet()
-    .ignore_stdout()
-    .run()?;
-    cmd!(sh, "cmake --build {directory} --config RelWithDebInfo --parallel {jobs}").ignore_stdout().run()?;
+    )?;
+    cmd!("cmake --build {directory} --config RelWithDebInfo --parallel {jobs}").ignore_stdout().run()?;
     Ok(())
 }
 
-pub fn ctest(workspace: &Workspace) -> Result<()> {
-    let prefix = release_prefix(workspace)?;
-    let projects = if workspace.all { ALL } else { OURS };
+pub fn ctest() -> Result<()> {
+    let prefix = release_prefix()?;
+    let projects = if all() { ALL } else { OURS };
     let mut build = Build { projects, ..Build::new("release", &prefix) };
-    if VULKAN.here(workspace) {
-        build.drivers = vulkan::drivers(workspace)?;
-        if workspace.all {
-            engine(workspace, &build)?;
+    if VULKAN.here() {
+        build.drivers = vulkan::drivers()?;
+        if all() {
+            engine(&build)?;
         }
     }
-    test_projects(workspace, &build)
+    test_projects(&build)
 }
 
 /// Builds and tests the VulkanSceneGraph client if CMake finds that engine. No distribution packages it, so the environment's
 /// `CMAKE_PREFIX_PATH` must name it.
-fn engine(workspace: &Workspace, build: &Build<'_>) -> Result<()> {
-    let directory = workspace.target.join("ctest").join(build.kind).join("vsg");
-    compile(workspace, build, &workspace.path("bindings/vsg"), &directory)?;
+fn engine(build: &Build<'_>) -> Result<()> {
+    let directory = in_target("ctest").join(build.kind).join("vsg");
+    compile(build, &in_root("bindings/vsg"), &directory)?;
     if directory.join("vsg_hood").exists() {
-        return Ok(cmd!(workspace.shell, "ctest --test-dir {directory} --output-on-failure --no-tests=error").run()?);
+        return Ok(cmd!("ctest --test-dir {directory} --output-on-failure --no-tests=error").run()?);
     }
     println!("bindings/vsg is left out: it needs VulkanSceneGraph in CMAKE_PREFIX_PATH, and libpng");
     Ok(())
 }
 
 /// Mesa's driver alone, for the slow stages. Valgrind does not know some instructions in Chromium's build of SwiftShader.
-pub fn one_driver(workspace: &Workspace) -> Result<Vec<PathBuf>> {
-    VULKAN.here(workspace).then(vulkan::lavapipe).into_iter().collect()
+pub fn one_driver() -> Result<Vec<PathBuf>> {
+    VULKAN.here().then(vulkan::lavapipe).into_iter().collect()
 }
 
 /// Runs the C and C++ tests under gcc's sanitizers, against a debug build of the library, which has its own checks on.
-pub fn sanitizers(workspace: &Workspace) -> Result<()> {
-    let prefix = workspace.target.join("prefix-debug");
+pub fn sanitizers() -> Result<()> {
+    let prefix = in_target("prefix-debug");
     empty_directory(&prefix)?;
-    install::run(workspace, &prefix, Profile::Debug)?;
-    let sh = &workspace.shell;
-    let _asan = sh.push_env("ASAN_OPTIONS", "detect_leaks=1:strict_string_checks=1:detect_stack_use_after_return=1");
-    let _ubsan = sh.push_env("UBSAN_OPTIONS", "print_stacktrace=1");
-    let sanitizers = workspace.path("tests/c/sanitizers.cmake");
+    install::run(&prefix, Profile::Debug)?;
+    let _asan = sh().push_env("ASAN_OPTIONS", "detect_leaks=1:strict_string_checks=1:detect_stack_use_after_return=1");
+    let _ubsan = sh().push_env("UBSAN_OPTIONS", "print_stacktrace=1");
+    let sanitizers = in_root("tests/c/sanitizers.cmake");
     let sanitizers = format!("-DCMAKE_PROJECT_INCLUDE={}", sanitizers.display());
     // The validation layer leaks memory of its own; stage "ctest" runs with it.
-    let (validation, drivers) = (false, one_driver(workspace)?);
+    let (validation, drivers) = (false, one_driver()?);
     let build = Build { options: vec![sanitizers], validation, drivers, ..Build::new("sanitizers", &prefix) };
-    test_projects(workspace, &build)
+    test_projects(&build)
 }
 
 /// What tells CMake to compile for another system; nothing for this one. Programs for Windows find Vulkan's headers and loader.
-pub fn cross_options(workspace: &Workspace, target: &Target) -> Result<Vec<String>> {
+pub fn cross_options(target: &Target) -> Result<Vec<String>> {
     if !target.cross {
         return Ok(Vec::new());
     }
-    let file = workspace.path(format!("xtask/platforms/{}.cmake", target.triple));
+    let file = in_root(format!("xtask/platforms/{}.cmake", target.triple));
     let mut options = vec![format!("-DCMAKE_TOOLCHAIN_FILE={}", file.display())];
     if target.is_windows() {
-        let (include, library) = vulkan_for_windows(workspace)?;
+        let (include, library) = vulkan_for_windows()?;
         options.push(format!("-DVulkan_INCLUDE_DIR={}", include.display()));
         options.push(format!("-DVulkan_LIBRARY={}", library.display()));
     }
@@ -171,12 +154,11 @@ pub fn cross_options(workspace: &Workspace, target: &Target) -> Result<Vec<Strin
 }
 
 /// Vulkan's headers, which are the same everywhere, and an import library of Windows' loader.
-fn vulkan_for_windows(workspace: &Workspace) -> Result<(PathBuf, PathBuf)> {
-    let sh = &workspace.shell;
-    let folder = workspace.target.join("windows-vulkan");
+fn vulkan_for_windows() -> Result<(PathBuf, PathBuf)> {
+    let folder = in_target("windows-vulkan");
     let (include, library) = (folder.join("include"), folder.join("libvulkan-1.a"));
     empty_directory(&folder)?;
-    let found = cmd!(sh, "pkg-config --variable=includedir vulkan").quiet().read()?;
+    let found = said!("pkg-config --variable=includedir vulkan")?;
     let (mut names, declared) = (Vec::new(), Regex::new(r"VKAPI_CALL +(vk\w+)\(")?);
     for part in ["vulkan", "vk_video"] {
         for file in files(&Path::new(&found).join(part))? {
@@ -187,6 +169,6 @@ fn vulkan_for_windows(workspace: &Workspace) -> Result<(PathBuf, PathBuf)> {
     ensure!(names.len() >= 100, "{found}/vulkan declares {} functions; that cannot be all", names.len());
     names.sort();
     names.dedup();
-    install::import_library(workspace, "vulkan-1.dll", &names, &library)?;
+    install::import_library("vulkan-1.dll", &names, &library)?;
     Ok((include, library))
 }

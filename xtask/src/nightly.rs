@@ -1,14 +1,7 @@
 //! Checks of threads and memory: those that need Rust's nightly toolchain with the source of the standard library (ThreadSanitizer,
 //! MemorySanitizer and Miri), and tests with the locks of shuttle, which runs threads in orders of its own choice.
 
-use std::path::Path;
-
-use anyhow::{Context, Result};
-use xshell::cmd;
-
-use crate::files::empty_directory;
-use crate::stage::LeftOut;
-use crate::workspace::Workspace;
+use crate::prelude::*;
 
 /// Without file formats, which share nothing between threads.
 const FEATURES: [&str; 3] = ["--no-default-features", "--features", "capi"];
@@ -27,76 +20,69 @@ const C_PROGRAMS: &str = "allocator, bad_input, bodies, buffers, files FIXTURES 
 const INSTALL: &str = "rustup toolchain install nightly --component rust-src,miri";
 
 /// An error unless the toolchain has what all need; rustup is asked for it first.
-fn available(workspace: &Workspace) -> Result<()> {
-    let sh = &workspace.shell;
-    let quiet = |command: xshell::Cmd<'_>| command.quiet().ignore_stderr().ignore_stdout().run();
-    quiet(cmd!(sh, "rustup component add --toolchain nightly rust-src miri"))
-        .and_then(|()| quiet(cmd!(sh, "rustup run nightly cargo miri --version")))
+fn available() -> Result<()> {
+    let quiet = |command: xshell::Cmd| command.quiet().ignore_stderr().ignore_stdout().run();
+    quiet(cmd!("rustup component add --toolchain nightly rust-src miri"))
+        .and_then(|()| quiet(cmd!("rustup run nightly cargo miri --version")))
         .context(LeftOut::NotApplicable(format!("there is no nightly toolchain with the library's source: {INSTALL}")))
 }
 
 /// Runs the tests of threads under ThreadSanitizer, with a standard library that is instrumented too.
-pub fn threads(workspace: &Workspace) -> Result<()> {
-    available(workspace)?;
-    sanitized(workspace, "thread", &[&["--"][..], &THREADED].concat())
+pub fn threads() -> Result<()> {
+    available()?;
+    sanitized("thread", &[&["--"][..], &THREADED].concat())
 }
 
 /// Builds what [`threads`] runs.
-pub fn build(workspace: &Workspace) -> Result<()> {
-    available(workspace)?;
-    sanitized(workspace, "thread", &["--no-run"])
+pub fn build() -> Result<()> {
+    available()?;
+    sanitized("thread", &["--no-run"])
 }
 
 /// Runs the unit tests and C programs under MemorySanitizer, which finds reads of memory that nobody wrote.
-pub fn memory(workspace: &Workspace) -> Result<()> {
-    available(workspace)?;
-    sanitized(workspace, "memory", &["--"])?;
+pub fn memory() -> Result<()> {
+    available()?;
+    sanitized("memory", &["--"])?;
 
-    let sh = &workspace.shell;
-    let (host, home) = (workspace.rustc("host")?, workspace.target.join("sanitizers/memory"));
+    let (host, home) = (rustc_says("host")?, in_target("sanitizers/memory"));
     let (flags, features) = (flags("memory"), "capi,gltf,obj,host-allocator");
     let library = ["--package", "crumple", "--lib", "--crate-type", "staticlib", "--target", &host];
-    cmd!(
-        sh,
-        "rustup run nightly cargo rustc -Zbuild-std {library...} --no-default-features --features {features} --target-dir {home}"
+    cmd!("rustup run nightly cargo rustc -Zbuild-std {library...} --no-default-features --features {features} --target-dir {home}"
     )
     .env("RUSTFLAGS", flags)
     .run()?;
     let library = home.join(&host).join("debug/libcrumple.a");
-    let sysroot = cmd!(sh, "rustup run nightly rustc --print sysroot").quiet().read()?;
+    let sysroot = said!("rustup run nightly rustc --print sysroot")?;
     let runtime = Path::new(&sysroot).join("lib/rustlib").join(&host).join("lib/librustc-nightly_rt.msan.a");
-    let (include, programs) = (workspace.path("include"), home.join("c"));
+    let (include, programs) = (in_root("include"), home.join("c"));
     empty_directory(&programs)?;
-    let _there = sh.push_dir(&programs);
+    let _there = sh().push_dir(&programs);
     for program in C_PROGRAMS.split(", ") {
-        let program = program.replace("FIXTURES", &workspace.path("tests/fixtures").to_string_lossy());
+        let program = program.replace("FIXTURES", &in_root("tests/fixtures").to_string_lossy());
         let mut words = program.split(' ');
         let name = words.next().unwrap_or_default();
-        let (source, object) = (workspace.path("tests/c").join(name).with_extension("c"), format!("{name}.o"));
+        let (source, object) = (in_root("tests/c").join(name).with_extension("c"), format!("{name}.o"));
         let c = ["-std=c99", "-O1", "-g", "-fsanitize=memory", "-fno-sanitize-memory-param-retval"];
-        cmd!(sh, "clang {c...} -D_POSIX_C_SOURCE=200809L -I {include} -c {source}").quiet().run()?;
+        run!("clang {c...} -D_POSIX_C_SOURCE=200809L -I {include} -c {source}")?;
         // Rust's runtime, because clang's may be older than the compiler of the library.
         let rest = ["-Wl,--no-whole-archive", "-Wl,--export-dynamic", "-lm", "-lpthread", "-ldl", "-lrt", "-o", name];
-        cmd!(sh, "clang {object} {library} -Wl,--whole-archive {runtime} {rest...}").quiet().run()?;
-        cmd!(sh, "./{name}").args(words).run()?;
+        run!("clang {object} {library} -Wl,--whole-archive {runtime} {rest...}")?;
+        cmd!("./{name}").args(words).run()?;
     }
     Ok(())
 }
 
 /// `cargo test` of the unit tests under a sanitizer, with a standard library that is instrumented too.
-fn sanitized(workspace: &Workspace, sanitizer: &str, what: &[&str]) -> Result<()> {
-    let (host, home) = (workspace.rustc("host")?, workspace.target.join("sanitizers").join(sanitizer));
+fn sanitized(sanitizer: &str, what: &[&str]) -> Result<()> {
+    let (host, home) = (rustc_says("host")?, in_target("sanitizers").join(sanitizer));
     let arguments = ["-Zbuild-std", "--package", "crumple", "--lib", "--target", &host];
     // The tests take seconds, and optimising them takes a minute.
     let fast = ["--config", "profile.dev.package.crumple.opt-level=0"];
-    cmd!(
-        workspace.shell,
-        "rustup run nightly cargo {fast...} test {arguments...} {FEATURES...} --target-dir {home} {what...}"
-    )
-    .env("CARGO_PROFILE_DEV_OPT_LEVEL", "0")
-    .env("RUSTFLAGS", flags(sanitizer))
-    .env("TSAN_OPTIONS", "halt_on_error=1")
-    .run()?;
+    cmd!("rustup run nightly cargo {fast...} test {arguments...} {FEATURES...} --target-dir {home} {what...}")
+        .env("CARGO_PROFILE_DEV_OPT_LEVEL", "0")
+        .env("RUSTFLAGS", flags(sanitizer))
+        .env("TSAN_OPTIONS", "halt_on_error=1")
+        .run()?;
     Ok(())
 }
 
@@ -107,11 +93,11 @@ fn flags(sanitizer: &str) -> String {
 }
 
 /// Runs unit tests in Miri, which finds undefined behaviour that no processor shows.
-pub fn miri(workspace: &Workspace) -> Result<()> {
-    available(workspace)?;
-    let home = workspace.target.join("miri");
+pub fn miri() -> Result<()> {
+    available()?;
+    let home = in_target("miri");
     let arguments = ["--package", "crumple", "--lib", "--target-dir"];
-    cmd!(workspace.shell, "rustup run nightly cargo miri test {arguments...} {home} {FEATURES...} -- {INTERPRETED...}")
+    cmd!("rustup run nightly cargo miri test {arguments...} {home} {FEATURES...} -- {INTERPRETED...}")
         // rayon keeps memory in the ends of its threads, and its pointers follow the rules of tree borrows only.
         .env("MIRIFLAGS", "-Zmiri-disable-isolation -Zmiri-tree-borrows -Zmiri-ignore-leaks")
         .env("PROPTEST_CASES", "4")
@@ -120,12 +106,10 @@ pub fn miri(workspace: &Workspace) -> Result<()> {
 }
 
 /// `cargo xtask schedules`: tests of threads with the locks of shuttle.
-pub fn schedules(workspace: &Workspace) -> Result<()> {
+pub fn schedules() -> Result<()> {
     // A folder of its own: the flag builds everything again.
-    let home = workspace.target.join("schedules");
+    let home = in_target("schedules");
     let arguments = ["--package", "crumple", "--lib", "--no-default-features", "--target-dir"];
-    cmd!(workspace.shell, "cargo test {arguments...} {home} -- instance::schedules")
-        .env("RUSTFLAGS", "--cfg shuttle")
-        .run()?;
+    cmd!("cargo test {arguments...} {home} -- instance::schedules").env("RUSTFLAGS", "--cfg shuttle").run()?;
     Ok(())
 }

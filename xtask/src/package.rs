@@ -1,6 +1,8 @@
 //! `cargo xtask package`: release archives, `crumple-VERSION-TARGET[-slim].tar.gz` (`.zip` on Windows), each with its debug symbols
 //! in an archive beside it. The same libraries give the same bytes.
 
+use crate::prelude::*;
+
 pub mod archive;
 mod check;
 mod contents;
@@ -8,19 +10,6 @@ pub mod licenses;
 pub mod manifest;
 pub mod markdown;
 mod symbols;
-
-use std::path::{Path, PathBuf};
-
-use anyhow::{Context, Result, ensure};
-use clap::Args;
-use memchr::memmem;
-
-use crate::files::{announce, bytes, copy_into, empty_directory, files, make};
-use crate::install::{self, Built, Profile};
-use crate::target::{self, Target};
-use crate::wine::Wine;
-use crate::workspace::{self, Workspace};
-use crate::{command, native, tools};
 
 pub use check::{CLIENT, stage, windows};
 
@@ -71,80 +60,80 @@ impl Parts {
     }
 
     /// The name of the archive without its extension, and of the one folder in it.
-    fn name(&self, workspace: &Workspace) -> String {
-        format!("crumple-{}-{}{}", workspace.version, self.library.target.triple, self.flavour.suffix)
+    fn name(&self) -> String {
+        format!("crumple-{}-{}{}", VERSION, self.library.target.triple, self.flavour.suffix)
     }
 }
 
-pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
-    let out = workspace.path(&options.out);
-    let target = if options.windows { Target::other(target::WINDOWS) } else { Target::host(workspace)? };
+pub fn run(options: &Options) -> Result<()> {
+    let out = in_root(&options.out);
+    let target = if options.windows { Target::other(WINDOWS) } else { Target::host()? };
     if target.cross {
-        tools::require(workspace, tools::FOR_WINDOWS)?;
+        tools::require(tools::FOR_WINDOWS)?;
     }
     for flavour in [&SLIM, &FULL].into_iter().filter(|flavour| ["all", flavour.name].contains(&&*options.flavour)) {
-        let parts = build(workspace, flavour, &target)?;
-        let archive = pack(workspace, &parts, &out)?;
+        let parts = build(flavour, &target)?;
+        let archive = pack(&parts, &out)?;
         if options.check && target.cross {
-            check::under_wine(workspace, &parts, &archive, &Wine::start(workspace)?)?;
+            check::under_wine(&parts, &archive, &Wine::start()?)?;
         } else if options.check {
-            check::check(workspace, &parts, &archive)?;
+            check::check(&parts, &archive)?;
         }
     }
     Ok(())
 }
 
-fn build(workspace: &Workspace, flavour: &'static Flavour, target: &Target) -> Result<Parts> {
+fn build(flavour: &'static Flavour, target: &Target) -> Result<Parts> {
     println!("Building the {} flavour; it is optimized as a whole, which takes minutes.", flavour.name);
     let mut command = None;
     if flavour.command {
-        command = Some(command::handed_out(workspace, target)?);
+        command = Some(command::handed_out(target)?);
     }
     // Built after the command, because building the command overwrites the library.
-    let library = install::build(workspace, target.clone(), Profile::Dist, flavour.library)?;
+    let library = install::build(target.clone(), Profile::Dist, flavour.library)?;
     Ok(Parts { flavour, library, command, handed_out: true })
 }
 
 /// The folder of the full flavour for this system. For handing out, everything in it is optimized as a whole, which takes minutes.
 /// Otherwise it has the release library and the tests' command, which other stages build too.
-pub fn full(workspace: &Workspace, handed_out: bool) -> Result<PathBuf> {
-    let parts = if handed_out { build(workspace, &FULL, &Target::host(workspace)?)? } else { tested(workspace)? };
-    Ok(lay_out(workspace, &parts)?.0)
+pub fn full(handed_out: bool) -> Result<PathBuf> {
+    let parts = if handed_out { build(&FULL, &Target::host()?)? } else { tested()? };
+    Ok(lay_out(&parts)?.0)
 }
 
-fn tested(workspace: &Workspace) -> Result<Parts> {
-    let library = install::installed(Target::host(workspace)?, &native::release_prefix(workspace)?);
-    Ok(Parts::tested(library, command::tested(workspace)?))
+fn tested() -> Result<Parts> {
+    let library = install::installed(Target::host()?, &native::release_prefix()?);
+    Ok(Parts::tested(library, command::tested()?))
 }
 
 /// Lays out the folder and the folder with its debug symbols, both named like their archives.
-fn lay_out(workspace: &Workspace, parts: &Parts) -> Result<(PathBuf, PathBuf)> {
-    let (target, name) = (&parts.library.target, parts.name(workspace));
-    let stage = workspace.target.join("package").join(&target.triple).join(parts.flavour.name);
+fn lay_out(parts: &Parts) -> Result<(PathBuf, PathBuf)> {
+    let (target, name) = (&parts.library.target, parts.name());
+    let stage = in_target("package").join(&target.triple).join(parts.flavour.name);
     empty_directory(&stage)?;
     let (folder, debug) = (stage.join(&name), stage.join(format!("{name}-symbols")));
 
-    install::lay_out(workspace, &parts.library, &folder)?;
+    install::lay_out(&parts.library, &folder)?;
     if let Some(command) = &parts.command {
         copy_into(command, &folder.join("bin"))?;
     }
-    symbols::separate(workspace, parts, &folder, &debug)?;
-    let linked = licenses::linked(workspace, parts)?;
-    licenses::nothing_unlicensed(parts, &folder, &linked, &target.standard_packages(workspace)?)?;
-    licenses::write_all(workspace, &linked, &folder)?;
-    contents::copy_all(workspace, parts, &folder)?;
+    symbols::separate(parts, &folder, &debug)?;
+    let linked = licenses::linked(parts)?;
+    licenses::nothing_unlicensed(parts, &folder, &linked, &target.standard_packages()?)?;
+    licenses::write_all(&linked, &folder)?;
+    contents::copy_all(parts, &folder)?;
     let mut all = files(&folder)?;
     all.retain(|file| parts.handed_out || file.parent() != Some(&*folder.join("bin")));
-    nothing_of_this_machine(workspace, &all)?;
-    manifest::write_of(workspace, parts, &folder)?;
+    nothing_of_this_machine(&all)?;
+    manifest::write_of(parts, &folder)?;
     Ok((folder, debug))
 }
 
 /// Lays out the folder and writes the archives to `out`. Returns the one that does not hold the symbols.
-fn pack(workspace: &Workspace, parts: &Parts, out: &Path) -> Result<PathBuf> {
-    let (folder, debug) = lay_out(workspace, parts)?;
+fn pack(parts: &Parts, out: &Path) -> Result<PathBuf> {
+    let (folder, debug) = lay_out(parts)?;
     make(out)?;
-    let (time, target) = (time(workspace)?, &parts.library.target);
+    let (time, target) = (time()?, &parts.library.target);
     let [archive, debug] = [archive::pack(&folder, out, time, target)?, archive::pack(&debug, out, time, target)?];
     announce(&archive)?;
     announce(&debug)?;
@@ -152,19 +141,19 @@ fn pack(workspace: &Workspace, parts: &Parts, out: &Path) -> Result<PathBuf> {
 }
 
 /// The modification time of every entry: `SOURCE_DATE_EPOCH`, or the time of the commit.
-pub fn time(workspace: &Workspace) -> Result<u64> {
+pub fn time() -> Result<u64> {
     if let Ok(seconds) = std::env::var("SOURCE_DATE_EPOCH") {
         return seconds
             .parse()
             .with_context(|| format!("SOURCE_DATE_EPOCH is {seconds:?}; it must be seconds since 1970"));
     }
-    let seconds = workspace.git(&["log", "-1", "--format=%ct"])?;
+    let seconds = git(&["log", "-1", "--format=%ct"])?;
     Ok(seconds.trim().parse()?)
 }
 
 /// Fails if a file contains the path of a folder of this machine.
-pub fn nothing_of_this_machine(workspace: &Workspace, files: &[PathBuf]) -> Result<()> {
-    let known = [workspace.root.clone(), workspace.target.clone(), workspace::cargo_home()?, workspace.sysroot()?];
+pub fn nothing_of_this_machine(files: &[PathBuf]) -> Result<()> {
+    let known = [root().to_owned(), in_target(""), cargo_home()?, sysroot()?];
     for file in files {
         let bytes = bytes(file)?;
         for path in known.iter().map(|path| path.to_string_lossy()) {

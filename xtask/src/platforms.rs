@@ -1,21 +1,7 @@
 //! Tests of the builds for other systems: Windows under Wine, Linux on 64-bit ARM under qemu, 32-bit Linux. What their programs write
 //! must equal, byte for byte, what the programs of this machine write. Vulkan under Wine uses this machine's drivers.
 
-use std::path::{Path, PathBuf};
-
-use anyhow::{Result, ensure};
-use regex_lite::Regex;
-use xshell::cmd;
-
-use crate::declarations::{self, HEADERS, INCLUDE};
-use crate::files::{copy_into, empty_directory, read, same_files, write};
-use crate::install::{self, Built, Profile};
-use crate::native::{self, Build};
-use crate::stage::all_passed;
-use crate::target::{AARCH64, I686, Target, WINDOWS, launch};
-use crate::wine::Wine;
-use crate::workspace::Workspace;
-use crate::{abi, command, package, vulkan};
+use crate::prelude::*;
 
 /// Features of the build whose library, command and tests are all used.
 const FEATURES: &str = "cli,host-allocator";
@@ -41,68 +27,67 @@ const QUESTIONS: &[Question] = &[
 const SLOW: &str = "^(allocator|allocator_static|job_system|many_instances|refusals|times)$";
 
 /// A system and the program that runs its programs here, with arguments.
-struct Platform<'a> {
-    workspace: &'a Workspace,
+struct Platform {
     target: Target,
     runner: Vec<&'static str>,
     prefix: PathBuf,
 }
 
-pub fn windows(workspace: &Workspace) -> Result<()> {
-    let wine = Wine::start(workspace)?;
-    let platform = Platform::install(workspace, WINDOWS, vec![wine.program])?;
+pub fn windows() -> Result<()> {
+    let wine = Wine::start()?;
+    let platform = Platform::install(WINDOWS, vec![wine.program])?;
     let _found = wine.libraries(&[&platform.prefix.join("bin")]);
     all_passed(vec![
-        ("the archive", package::windows(workspace, &wine, platform.built(), platform.command())),
+        ("the archive", package::windows(&wine, platform.built(), platform.command())),
         ("Microsoft's linker", platform.microsoft()),
         ("the Vulkan tests", {
-            let _driver = workspace.shell.push_env("VK_DRIVER_FILES", vulkan::lavapipe()?);
+            let _driver = sh().push_env("VK_DRIVER_FILES", vulkan::lavapipe()?);
             platform.rust(VULKAN_TESTS, &[])
         }),
         ("the other tests", platform.test(WINDOWS_TESTS, &[])),
     ])
 }
 
-pub fn aarch64(workspace: &Workspace) -> Result<()> {
+pub fn aarch64() -> Result<()> {
     let runner = vec!["qemu-aarch64", "-L", "/usr/aarch64-linux-gnu"];
-    let platform = Platform::install(workspace, AARCH64, runner)?;
+    let platform = Platform::install(AARCH64, runner)?;
     platform.test(AARCH64_TESTS, &["quick_", "a_body_dents_alike_in_any_unit", "far_from"])
 }
 
-pub fn i686(workspace: &Workspace) -> Result<()> {
+pub fn i686() -> Result<()> {
     // The processor runs them. The cross compiler's package has the libraries, not where the system looks for them.
     let runner = vec!["/usr/i686-linux-gnu/lib/ld-linux.so.2", "--library-path", "/usr/i686-linux-gnu/lib"];
-    Platform::install(workspace, I686, runner)?.test(I686_TESTS, &[])
+    Platform::install(I686, runner)?.test(I686_TESTS, &[])
 }
 
 /// Builds what the stages run.
-pub fn build(workspace: &Workspace) -> Result<()> {
-    let compile = |triple| (triple, compile(workspace, &Target::other(triple)));
+pub fn build() -> Result<()> {
+    let compile = |triple| (triple, compile(&Target::other(triple)));
     all_passed([WINDOWS, AARCH64, I686].map(compile).into())
 }
 
 /// Builds the library, the command and tests.
-fn compile(workspace: &Workspace, target: &Target) -> Result<()> {
+fn compile(target: &Target) -> Result<()> {
     let tests: &[&[&str]] = match target.triple.as_str() {
         WINDOWS => &[WINDOWS_TESTS, VULKAN_TESTS],
         AARCH64 => &[AARCH64_TESTS],
         _ => &[I686_TESTS],
     };
     let what = ["build", "--package", "crumple", "--features", FEATURES, "--lib", "--bin", "crumple"];
-    Ok(target.cargo(workspace, &[&what[..], &tests.concat()].concat())?.run()?)
+    Ok(target.cargo(&[&what[..], &tests.concat()].concat())?.run()?)
 }
 
-impl<'a> Platform<'a> {
+impl Platform {
     /// Builds everything for it and installs the library.
-    fn install(workspace: &'a Workspace, triple: &str, runner: Vec<&'static str>) -> Result<Self> {
-        let (target, prefix) = (Target::other(triple), workspace.target.join(format!("prefix-{triple}")));
-        compile(workspace, &target)?;
-        let platform = Self { workspace, target, runner, prefix };
+    fn install(triple: &str, runner: Vec<&'static str>) -> Result<Self> {
+        let (target, prefix) = (Target::other(triple), in_target(format!("prefix-{triple}")));
+        compile(&target)?;
+        let platform = Self { target, runner, prefix };
         empty_directory(&platform.prefix)?;
-        install::lay_out(workspace, &platform.built(), &platform.prefix)?;
+        install::lay_out(&platform.built(), &platform.prefix)?;
         let shared = install::shared(&platform.target, &platform.prefix);
-        abi::exported(&workspace.path(INCLUDE), &shared)?;
-        install::loads_well(workspace, &platform.target, &shared)?;
+        abi::exported(&in_root(INCLUDE), &shared)?;
+        install::loads_well(&platform.target, &shared)?;
         Ok(platform)
     }
 
@@ -116,11 +101,11 @@ impl<'a> Platform<'a> {
     }
 
     fn built(&self) -> Built {
-        install::built(self.workspace, self.target.clone(), Profile::Debug, install::FEATURES)
+        install::built(self.target.clone(), Profile::Debug, install::FEATURES)
     }
 
     fn command(&self) -> PathBuf {
-        self.target.directory(self.workspace, Profile::Debug.directory()).join(self.target.program("crumple"))
+        self.target.directory(Profile::Debug.directory()).join(self.target.program("crumple"))
     }
 
     /// Runs C and C++ programs, and compares the files that they leave.
@@ -128,25 +113,25 @@ impl<'a> Platform<'a> {
         let kind = self.target.triple.as_str();
         let build = Build {
             projects: native::OURS,
-            options: native::cross_options(self.workspace, &self.target)?,
+            options: native::cross_options(&self.target)?,
             launcher: self.runner.join(";"),
             cross: true,
             // Wine has no validation layer.
             validation: false,
             left_out: if self.target.triple == AARCH64 { SLOW } else { "" },
-            drivers: if self.target.is_windows() { native::one_driver(self.workspace)? } else { Vec::new() },
+            drivers: if self.target.is_windows() { native::one_driver()? } else { Vec::new() },
             ..Build::new(kind, &self.prefix)
         };
-        native::test_projects(self.workspace, &build)?;
-        let there = self.workspace.target.join("ctest").join(kind);
+        native::test_projects(&build)?;
+        let there = in_target("ctest").join(kind);
 
         // The same two examples on this machine.
-        let release = native::release_prefix(self.workspace)?;
-        let here = self.workspace.target.join("ctest/plain");
-        native::compile(self.workspace, &Build::new("plain", &release), &self.workspace.path("examples-c"), &here)?;
-        let (dent, hood) = (here.join("dent_gltf"), self.workspace.path("assets/demo/hood.glb"));
+        let release = native::release_prefix()?;
+        let here = in_target("ctest/plain");
+        native::compile(&Build::new("plain", &release), &in_root("examples-c"), &here)?;
+        let (dent, hood) = (here.join("dent_gltf"), in_root("assets/demo/hood.glb"));
         let (ours, theirs) = (here.join("out/hood.obj"), there.join("examples-c/out/hood.obj"));
-        cmd!(self.workspace.shell, "{dent} {hood} {ours}").quiet().ignore_stdout().run()?;
+        silent!("{dent} {hood} {ours}")?;
         // A program in C writes text with the system's ends of lines.
         ensure!(read(&ours)? == read(&theirs)?, "{} and {} differ", ours.display(), theirs.display());
         Ok(())
@@ -155,16 +140,16 @@ impl<'a> Platform<'a> {
     /// Runs Rust tests: `programs`, and of these the tests whose names contain one of `names`, if there are any.
     fn rust(&self, programs: &[&str], names: &[&str]) -> Result<()> {
         let what = ["test", "--no-fail-fast", "--package", "crumple", "--features", FEATURES];
-        let tests = self.target.cargo(self.workspace, &[&what[..], programs, &["--"], names].concat())?;
+        let tests = self.target.cargo(&[&what[..], programs, &["--"], names].concat())?;
         Ok(tests.env(self.target.variable("RUNNER"), self.runner.join(" ")).env("PROPTEST_CASES", "4").run()?)
     }
 
     /// The command writes the same files and prints the same reports.
     fn same_files(&self) -> Result<()> {
-        let folder = self.workspace.target.join("same");
+        let folder = in_target("same");
         let (here, there) = (folder.join("host"), folder.join(&self.target.triple));
-        ask(self.workspace, &here, &[], &command::tested(self.workspace)?)?;
-        ask(self.workspace, &there, &self.runner, &self.command())?;
+        ask(&here, &[], &command::tested()?)?;
+        ask(&there, &self.runner, &self.command())?;
         let files = same_files(&here, &there)?;
         ensure!(files > INPUT.len() + QUESTIONS.len(), "the command wrote only {files} files");
         println!("{} files of the command are the same bytes as this machine's", files - INPUT.len());
@@ -173,26 +158,25 @@ impl<'a> Platform<'a> {
 
     /// Compiles and links a program as for Microsoft's tools, with every function of the headers, and runs it.
     fn microsoft(&self) -> Result<()> {
-        let sh = &self.workspace.shell;
-        let folder = self.workspace.target.join("msvc");
+        let folder = in_target("msvc");
         empty_directory(&folder)?;
         let (include, import) = (self.prefix.join("include"), self.prefix.join("lib/crumple.dll.lib"));
-        let (source, object) = (self.workspace.path("xtask/platforms/msvc.c"), folder.join("client.obj"));
-        let functions = declarations::functions(&declarations::read(&self.workspace.path(INCLUDE))?)?;
+        let (source, object) = (in_root("xtask/platforms/msvc.c"), folder.join("client.obj"));
+        let functions = declarations::functions(&declarations::read(INCLUDE)?)?;
         let functions: Vec<String> = functions.into_iter().map(|item| item.name).collect();
         let all = format!("-DALL={}", functions.join(","));
         let microsoft = ["--target=x86_64-pc-windows-msvc", "-ffreestanding", "-Wall", "-Wextra", "-Werror"];
         for (language, standard) in [("c", "-std=c99"), ("c++", "-std=c++17")] {
             for header in HEADERS.iter().map(|name| include.join(name)) {
-                cmd!(sh, "clang {microsoft...} -x {language} {standard} -fsyntax-only {header}").quiet().run()?;
+                run!("clang {microsoft...} -x {language} {standard} -fsyntax-only {header}")?;
             }
         }
-        cmd!(sh, "clang {microsoft...} -std=c99 -I {include} {all} -c {source} -o {object}").quiet().run()?;
+        run!("clang {microsoft...} -std=c99 -I {include} {all} -c {source} -o {object}")?;
         let program = folder.join("client.exe");
         let out = format!("/out:{}", program.display());
         let options = ["/nologo", "/nodefaultlib", "/entry:start", "/subsystem:console"];
-        cmd!(sh, "lld-link {options...} {object} {import} {out}").quiet().run()?;
-        let ended = launch(sh, &self.runner, &program).ignore_status().output()?.status;
+        run!("lld-link {options...} {object} {import} {out}")?;
+        let ended = launch(&self.runner, &program).ignore_status().output()?.status;
         ensure!(ended.code() == Some(42), "{} ends with {ended}", program.display());
         println!("a program of lld-link uses all {} functions through crumple.dll.lib", functions.len());
         Ok(())
@@ -200,15 +184,15 @@ impl<'a> Platform<'a> {
 }
 
 /// Asks the command everything in an empty folder.
-fn ask(workspace: &Workspace, folder: &Path, runner: &[&str], program: &Path) -> Result<()> {
+fn ask(folder: &Path, runner: &[&str], program: &Path) -> Result<()> {
     empty_directory(folder)?;
     for file in INPUT {
-        copy_into(&workspace.path(file), folder)?;
+        copy_into(file, folder)?;
     }
-    let (sh, times) = (workspace.shell.clone(), Regex::new(r"[0-9.]+ ms\b")?);
-    sh.change_dir(folder);
+    let times = Regex::new(r"[0-9.]+ ms\b")?;
+    let _there = sh().push_dir(folder);
     for (file, question) in QUESTIONS {
-        let answer = launch(&sh, runner, program).args(*question).read()?.replace('\r', "");
+        let answer = launch(runner, program).args(*question).read()?.replace('\r', "");
         // Windows' separator.
         write(&folder.join(file), times.replace_all(&answer, "_ ms").replace('\\', "/"))?;
     }

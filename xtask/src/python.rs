@@ -1,17 +1,6 @@
 //! Python: builds and tests the package as a wheel in environments below the target directory.
 
-use std::path::{Path, PathBuf};
-
-use anyhow::{Context, Result, bail};
-use clap::Args;
-use xshell::cmd;
-
-use crate::files::{announce, copy, copy_into, empty_directory, files, read, write};
-use crate::stage::LeftOut;
-use crate::target::Target;
-use crate::tools::{self, PYTHON3, PYTHON311, Tool};
-use crate::workspace::{Workspace, jobs};
-use crate::{install, package};
+use crate::prelude::*;
 
 const PACKAGE: &str = "bindings/python";
 /// What the package's tests need, pinned.
@@ -31,54 +20,52 @@ pub struct Options {
 }
 
 /// `cargo xtask wheel`: the wheel for this system, with the release library and command.
-pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
-    let wheel = build(workspace, true, &workspace.path(&options.out))?;
+pub fn run(options: &Options) -> Result<()> {
+    let wheel = build(true, &in_root(&options.out))?;
     announce(&wheel)?;
     Ok(())
 }
 
 /// Builds the wheel, installs it beside the packages that its tests need and nothing else, and runs the tests.
-pub fn stage(workspace: &Workspace) -> Result<()> {
-    let (python, _) = with_package(workspace, &workspace.target.join("python/dist"))?;
-    let sh = &workspace.shell;
+pub fn stage() -> Result<()> {
+    let (python, _) = with_package(&in_target("python/dist"))?;
     // Simulations take one thread each.
     let jobs = jobs().to_string();
-    let _no_cache = [sh.push_env("PYTHONDONTWRITEBYTECODE", "1"), sh.push_env("MPLBACKEND", "agg")];
-    cmd!(sh, "{python} -m pytest --quiet -p no:cacheprovider -n {jobs} --durations 5 {PACKAGE}/tests").quiet().run()?;
-    Ok(())
+    let _no_cache = [sh().push_env("PYTHONDONTWRITEBYTECODE", "1"), sh().push_env("MPLBACKEND", "agg")];
+    run!("{python} -m pytest --quiet -p no:cacheprovider -n {jobs} --durations 5 {PACKAGE}/tests")
 }
 
 /// A Python in which the package of this checkout is installed, and its wheel, which is in the emptied folder `out`. Its library and
 /// command are those that tests have.
-pub fn with_package(workspace: &Workspace, out: &Path) -> Result<(PathBuf, PathBuf)> {
-    let (python, wheel) = (tested_environment(workspace)?, build(workspace, false, out)?);
+pub fn with_package(out: &Path) -> Result<(PathBuf, PathBuf)> {
+    let (python, wheel) = (tested_environment()?, build(false, out)?);
     let install = ["install", "--no-index", "--no-deps", "--force-reinstall"];
-    cmd!(workspace.shell, "{python} {PIP...} {install...} {wheel}").quiet().run()?;
+    run!("{python} {PIP...} {install...} {wheel}")?;
     Ok((python, wheel))
 }
 
 /// The Python with what the package's tests need.
-pub fn tested_environment(workspace: &Workspace) -> Result<PathBuf> {
-    environment(workspace, PYTHON311, "python-venv", REQUIREMENTS)
+pub fn tested_environment() -> Result<PathBuf> {
+    environment(PYTHON311, "python-venv", REQUIREMENTS)
 }
 
 /// Builds the wheel in an emptied folder: with the library and command that users get, or with those that tests have.
-pub fn build(workspace: &Workspace, handed_out: bool, out: &Path) -> Result<PathBuf> {
+pub fn build(handed_out: bool, out: &Path) -> Result<PathBuf> {
     // Laid out like an archive.
-    let folder = package::full(workspace, handed_out)?;
-    let python = tested_environment(workspace)?;
-    let source = workspace.target.join("python/source");
+    let folder = package::full(handed_out)?;
+    let python = tested_environment()?;
+    let source = in_target("python/source");
     empty_directory(&source)?;
     empty_directory(out)?;
-    workspace.copy_sources(PACKAGE, SOURCES, &source)?;
+    copy_sources(PACKAGE, SOURCES, &source)?;
     for license in LICENSES {
         copy_into(&folder.join(license), &source)?;
     }
-    let (binaries, target) = (source.join("src/crumple/_bin"), Target::host(workspace)?);
+    let (binaries, target) = (source.join("src/crumple/_bin"), Target::host()?);
     copy(&install::shared(&target, &folder), &binaries.join(target.shared()))?;
     copy_into(&folder.join("bin").join(target.program("crumple")), &binaries)?;
     let build = ["wheel", "--no-build-isolation", "--no-deps", "--no-index", "--wheel-dir"];
-    cmd!(workspace.shell, "{python} {PIP...} {build...} {out} {source}").quiet().run()?;
+    run!("{python} {PIP...} {build...} {out} {source}")?;
     match files(out)?.as_slice() {
         [wheel] => Ok(wheel.clone()),
         wheels => bail!("pip wrote {} files to {}; it should write one wheel", wheels.len(), out.display()),
@@ -86,22 +73,21 @@ pub fn build(workspace: &Workspace, handed_out: bool, out: &Path) -> Result<Path
 }
 
 /// A Python with pinned packages, in an environment below the target directory that is kept while the pins are the same.
-pub fn environment(workspace: &Workspace, tool: Tool, name: &str, requirements: &str) -> Result<PathBuf> {
-    let sh = &workspace.shell;
-    let environment = workspace.target.join(name);
+pub fn environment(tool: Tool, name: &str, requirements: &str) -> Result<PathBuf> {
+    let environment = in_target(name);
     let python = if cfg!(windows) { environment.join("Scripts/python.exe") } else { environment.join("bin/python") };
-    let path = workspace.path(requirements);
+    let path = in_root(requirements);
     let (wanted, installed) = (read(&path)?, environment.join("installed.txt"));
-    let works = |python: &Path| cmd!(sh, "{python} --version").quiet().ignore_stdout().ignore_stderr().run().is_ok();
+    let works = |python: &Path| cmd!("{python} --version").quiet().ignore_stdout().ignore_stderr().run().is_ok();
     if read(&installed).is_ok_and(|have| have == wanted) && works(&python) {
         return Ok(python);
     }
-    tools::require(workspace, &[tool]).with_context(|| format!("{requirements} needs Python"))?;
+    tools::require(&[tool]).with_context(|| format!("{requirements} needs Python"))?;
     println!("installing into {}: {}", environment.display(), wanted.split_whitespace().collect::<Vec<_>>().join(" "));
     empty_directory(&environment)?;
     let base = if tool == PYTHON3 { "python3" } else { "python3.11" };
-    cmd!(sh, "{base} -m venv {environment}").quiet().run()?;
-    cmd!(sh, "{python} {PIP...} install --only-binary :all: -r {path}").quiet().run().with_context(|| {
+    run!("{base} -m venv {environment}")?;
+    run!("{python} {PIP...} install --only-binary :all: -r {path}").with_context(|| {
         let line = format!("{base} -m pip install -r {requirements}");
         LeftOut::Missing(format!("packages of Python cannot be had; to see why: {line}"))
     })?;

@@ -1,14 +1,6 @@
 //! Checks of the repository that build nothing: sizes, and programs, versions and messages that pages repeat.
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
-
-use anyhow::{Context, Result, bail, ensure};
-
-use crate::files::{files, files_of, read, within, write};
-use crate::package::{licenses, manifest::sha256};
-use crate::workspace::Workspace;
-use crate::{abi, declarations};
+use crate::prelude::*;
 
 /// The most bytes of meshes, fixtures and pictures together, of the lab's figures, which `cargo xtask lab` writes, and of its
 /// reference data.
@@ -42,29 +34,29 @@ const PACKAGE: &str = "bindings/unity";
 /// Packing puts the native libraries here. Their `.meta` files are here before.
 const PLUGINS: &str = "Plugins/x86_64/";
 
-pub fn run(workspace: &Workspace, fix: bool) -> Result<()> {
-    sizes(workspace)?;
-    let lines = read(&workspace.path(FIRST_DENT))?.lines().count();
+pub fn run(fix: bool) -> Result<()> {
+    sizes()?;
+    let lines = read(FIRST_DENT)?.lines().count();
     ensure!(
         lines < FIRST_DENT_LINES,
         "{FIRST_DENT} has {lines} lines; at most {FIRST_DENT_LINES} are for a first program"
     );
     for (file, page, language) in SHOWN {
         let (begin, end) = (format!("<!-- {file} -->\n```{language}\n"), format!("```\n<!-- end of {file} -->"));
-        passage(workspace, fix, page, [&begin, &end], &read(&workspace.path(file))?)?;
+        passage(fix, page, [&begin, &end], &read(file)?)?;
         println!("{page} shows {file} as it is");
     }
-    metas(workspace, fix)?;
-    versions(workspace)?;
-    unsafe_blocks(workspace, fix)?;
-    licenses::check_table(workspace, RELIABILITY, fix)?;
-    called(workspace)?;
-    messages(workspace)
+    metas(fix)?;
+    versions()?;
+    unsafe_blocks(fix)?;
+    licenses::check_table(RELIABILITY, fix)?;
+    called()?;
+    messages()
 }
 
 /// The plugins' manifests and the changelog name the workspace's version.
-fn versions(workspace: &Workspace) -> Result<()> {
-    let version = &workspace.version;
+fn versions() -> Result<()> {
+    let version = &VERSION;
     for (file, entry) in [
         ("bindings/unity/package.json", format!("\"version\": \"{version}\"")),
         ("bindings/unreal/Crumple.uplugin", format!("\"VersionName\": \"{version}\"")),
@@ -73,17 +65,17 @@ fn versions(workspace: &Workspace) -> Result<()> {
         ("CHANGELOG.md", format!("\n## [{version}]")),
         (UNREAL_RULES, format!("\"{}\"", abi::soname(version))),
     ] {
-        ensure!(read(&workspace.path(file))?.contains(&entry), "{file} lacks {entry:?}, the workspace's version");
+        ensure!(read(file)?.contains(&entry), "{file} lacks {entry:?}, the workspace's version");
     }
     println!("the plugins are of version {version}, and CHANGELOG.md has a section for it");
     Ok(())
 }
 
 /// Every clone carries these folders.
-fn sizes(workspace: &Workspace) -> Result<()> {
+fn sizes() -> Result<()> {
     for (folders, limit) in LIMITS {
         let mut total = 0;
-        for file in folders.iter().map(|folder| files(&workspace.path(folder))).collect::<Result<Vec<_>>>()?.concat() {
+        for file in folders.iter().map(|folder| files(folder)).collect::<Result<Vec<_>>>()?.concat() {
             total += fs::metadata(file)?.len();
         }
         let folders = folders.join(", ");
@@ -97,27 +89,27 @@ fn sizes(workspace: &Workspace) -> Result<()> {
 }
 
 /// A page has `text` between two passages. With `fix` it gets it.
-pub fn passage(workspace: &Workspace, fix: bool, page: &str, [begin, end]: [&str; 2], text: &str) -> Result<()> {
-    let whole = read(&workspace.path(page))?;
+pub fn passage(fix: bool, page: &str, [begin, end]: [&str; 2], text: &str) -> Result<()> {
+    let whole = read(page)?;
     let (before, rest) = whole.split_once(begin).with_context(|| format!("{page} lacks the lines {begin:?}"))?;
     let (told, after) = rest.split_once(end).with_context(|| format!("{page} lacks the lines {end:?}"))?;
     if told != text && fix {
-        return write(&workspace.path(page), [before, begin, text, end, after].concat());
+        return write(page, [before, begin, text, end, after].concat());
     }
     ensure!(told == text, "{page} is out of date between {begin:?} and {end:?}; type: cargo xtask repo --fix");
     Ok(())
 }
 
 /// The table of docs/reliability.md names every room with `unsafe` blocks, and their number.
-fn unsafe_blocks(workspace: &Workspace, fix: bool) -> Result<()> {
+fn unsafe_blocks(fix: bool) -> Result<()> {
     let mut blocks: BTreeMap<String, usize> = BTreeMap::new();
-    for file in files_of(&workspace.path("src"), &["rs"])? {
-        let name = within(&workspace.path("src"), &file)?;
+    for file in files_of("src", &["rs"])? {
+        let name = within(Path::new("src"), &file)?;
         if let Some((room, _)) = name.split_once('/') {
             *blocks.entry(room.to_owned()).or_default() += read(&file)?.matches("unsafe {").count();
         }
     }
-    let mut text = read(&workspace.path(RELIABILITY))?;
+    let mut text = read(RELIABILITY)?;
     let mut wrong = Vec::new();
     for (room, blocks) in blocks {
         let row = text.lines().find(|line| line.starts_with(&format!("| {room} | "))).map(str::to_owned);
@@ -129,7 +121,7 @@ fn unsafe_blocks(workspace: &Workspace, fix: bool) -> Result<()> {
         }
     }
     if fix && !wrong.is_empty() {
-        return write(&workspace.path(RELIABILITY), text);
+        return write(RELIABILITY, text);
     }
     ensure!(wrong.is_empty(), "{RELIABILITY}, unsafe blocks: {wrong:?}; type: cargo xtask repo --fix");
     println!("{RELIABILITY} has the number of unsafe blocks of each room");
@@ -138,11 +130,11 @@ fn unsafe_blocks(workspace: &Workspace, fix: bool) -> Result<()> {
 
 /// The fuzz target of the C interface calls every function of the headers. So does the test of refused memory, except those of
 /// Vulkan, which need a device.
-fn called(workspace: &Workspace) -> Result<()> {
-    let functions = declarations::functions(&declarations::read(&workspace.path(declarations::INCLUDE))?)?;
-    let fuzzed = files(&workspace.path(CALLS))?.iter().map(|file| read(file)).collect::<Result<String>>()?;
+fn called() -> Result<()> {
+    let functions = declarations::functions(&declarations::read(declarations::INCLUDE)?)?;
+    let fuzzed = files(CALLS)?.iter().map(|file| read(file)).collect::<Result<String>>()?;
     // With the headers that it includes.
-    let refusals = [REFUSALS, "tests/c/support.h", "tests/c/heap.h"].map(|path| read(&workspace.path(path)));
+    let refusals = [REFUSALS, "tests/c/support.h", "tests/c/heap.h"].map(|path| read(path));
     let refusals = refusals.into_iter().collect::<Result<String>>()?;
     for (path, text, without) in [(CALLS, fuzzed, "\0"), (REFUSALS, refusals, "vulkan")] {
         let called = |name: &str| name.contains(without) || text.contains(&format!("{name}("));
@@ -154,10 +146,10 @@ fn called(workspace: &Workspace) -> Result<()> {
 }
 
 /// The messages that docs quote exist in the sources.
-fn messages(workspace: &Workspace) -> Result<()> {
+fn messages() -> Result<()> {
     for (page, sources) in QUOTING {
-        let (text, mut source) = (read(&workspace.path(page))?, String::new());
-        for file in files_of(&workspace.path(sources), &["rs", "cs", "cpp", "h", "c"])? {
+        let (text, mut source) = (read(page)?, String::new());
+        for file in files_of(sources, &["rs", "cs", "cpp", "h", "c"])? {
             source += &joined(&read(&file)?);
         }
         let quoted = quoted(&text);
@@ -191,11 +183,11 @@ fn joined(source: &str) -> String {
 
 /// Checks that every asset has a `.meta` file with a guid of its own, and that every `.meta` file has an asset. With `fix`, writes
 /// missing ones.
-fn metas(workspace: &Workspace, fix: bool) -> Result<()> {
-    let root = workspace.path(PACKAGE);
+fn metas(fix: bool) -> Result<()> {
+    let root = Path::new(PACKAGE);
     let mut names = BTreeSet::new();
-    for file in files(&root)? {
-        let path = within(&root, &file)?;
+    for file in files(root)? {
+        let path = within(root, &file)?;
         // Unity does not look at names that end in ~ or begin with a dot.
         if !path.split('/').any(|name| name.ends_with('~') || name.starts_with('.')) {
             names.extend(path.match_indices('/').map(|(end, _)| path[..end].to_owned()));

@@ -1,15 +1,10 @@
 //! Stage "rooms": the folders of `src` are layers. A file imports from its own room and from rooms above it in `ROOMS`, and the files of
 //! a room import each other without circles. Modules of tests inside `src` are exempt, and so is `lib.rs`.
 
-use std::collections::{BTreeMap, BTreeSet};
-
-use anyhow::{Context, Result, ensure};
+use crate::prelude::*;
 use proc_macro2::Ident;
 use syn::visit::{self, Visit};
 use syn::{Attribute, Item, ItemMod, ItemUse, UseTree, Visibility};
-
-use crate::files::{files_of, read, within};
-use crate::workspace::Workspace;
 
 /// From top to bottom. Rooms that a bar joins do not import each other.
 const ROOMS: &str = "base mesh basis predict example damage select bake deform classic instance contacts io gpu graph|vulkan|wgpu capi bin";
@@ -17,8 +12,8 @@ const ROOMS: &str = "base mesh basis predict example damage select bake deform c
 /// A module's path from the root: `["deform", "tracker"]`.
 type Module = Vec<String>;
 
-pub fn run(workspace: &Workspace) -> Result<()> {
-    let root = workspace.path("src");
+pub fn run() -> Result<()> {
+    let root = in_root("src");
     let sources = files_of(&root, &["rs"])?
         .iter()
         .map(|path| Ok((within(&root, path)?, read(path)?)))

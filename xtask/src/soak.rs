@@ -1,14 +1,7 @@
 //! `cargo xtask soak`: hours of random hits and frames through the C interface (tests/c/soak.c), or how long very many of them take
 //! (tests/c/times.c, tests/c/vulkan_times.c).
 
-use std::path::Path;
-
-use anyhow::Result;
-use clap::Args;
-use xshell::{Cmd, cmd};
-
-use crate::native::{self, Build};
-use crate::workspace::Workspace;
+use crate::prelude::*;
 
 #[derive(Args)]
 pub struct Options {
@@ -29,36 +22,32 @@ pub struct Options {
     frames: Option<u64>,
 }
 
-pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
-    let prefix = native::release_prefix(workspace)?;
+pub fn run(options: &Options) -> Result<()> {
+    let prefix = native::release_prefix()?;
     let build = Build::new("release", &prefix);
-    let directory = workspace.target.join("ctest/release/tests-c");
-    native::compile(workspace, &build, &workspace.path("tests/c"), &directory)?;
+    let directory = in_target("ctest/release/tests-c");
+    native::compile(&build, &in_root("tests/c"), &directory)?;
     if let Some(frames) = options.frames {
-        return times(workspace, &directory, &frames.to_string());
+        return times(&directory, &frames.to_string());
     }
     let seconds = options.hours.map_or(options.seconds, |hours| 3600.0 * hours).to_string();
     let (bodies, seed) = (options.bodies.to_string(), options.seed.to_string());
     let soak = directory.join("soak");
-    Ok(cmd!(workspace.shell, "{soak} {seconds} {bodies} {seed}").run()?)
+    Ok(cmd!("{soak} {seconds} {bodies} {seed}").run()?)
 }
 
-fn times(workspace: &Workspace, directory: &Path, frames: &str) -> Result<()> {
-    one_core(workspace, &directory.join("times")).arg(frames).run()?;
+fn times(directory: &Path, frames: &str) -> Result<()> {
+    one_core(&directory.join("times")).arg(frames).run()?;
     let vulkan = directory.join("vulkan_times");
     if !vulkan.exists() {
         println!("Vulkan is left out: its headers are not installed");
         return Ok(());
     }
-    Ok(one_core(workspace, &vulkan).arg(frames).run()?)
+    Ok(one_core(&vulkan).arg(frames).run()?)
 }
 
 /// `program`, kept on the last core where the system has a command for that.
-fn one_core<'a>(workspace: &'a Workspace, program: &Path) -> Cmd<'a> {
+fn one_core(program: &Path) -> Cmd<'static> {
     let last = (std::thread::available_parallelism().map_or(1, usize::from) - 1).to_string();
-    if cfg!(target_os = "linux") {
-        cmd!(workspace.shell, "taskset --cpu-list {last} {program}")
-    } else {
-        cmd!(workspace.shell, "{program}")
-    }
+    if cfg!(target_os = "linux") { cmd!("taskset --cpu-list {last} {program}") } else { cmd!("{program}") }
 }

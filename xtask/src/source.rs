@@ -1,89 +1,79 @@
 //! The ways to build the library from its source: the CMake project, the Conan recipe, and the crate as crates.io gets it.
 
-use std::fs;
-use std::path::{Path, PathBuf};
-
-use anyhow::Result;
-use xshell::cmd;
-
-use crate::files::{bytes, copy_tree, empty_directory, read, same_files, write};
-use crate::package::CLIENT;
-use crate::package::manifest::sha256;
-use crate::tools::PYTHON3;
-use crate::workspace::Workspace;
-use crate::{native, python};
+use crate::prelude::*;
 
 /// Conan, pinned.
 const REQUIREMENTS: &str = "xtask/package/requirements.txt";
 
 /// A program fetches the library's source with CMake, which builds it by Cargo. The same project installs the files that
 /// `cargo xtask install` does, and a program finds them.
-pub fn cmake(workspace: &Workspace) -> Result<()> {
-    let (prefix, directory) = (native::release_prefix(workspace)?, workspace.target.join("cmake"));
+pub fn cmake() -> Result<()> {
+    let (prefix, directory) = (native::release_prefix()?, in_target("cmake"));
     empty_directory(&directory)?;
-    let (sh, root) = (&workspace.shell, &workspace.root);
+    let root = &root();
     // Cargo finds what the installer built.
-    let _flags = sh.push_env("CARGO_ENCODED_RUSTFLAGS", workspace.anywhere()?.join("\u{1f}"));
-    let target = format!("-DCRUMPLE_CARGO_TARGET_DIR={}", workspace.target.display());
+    let _flags = sh().push_env("CARGO_ENCODED_RUSTFLAGS", anywhere()?.join("\u{1f}"));
+    let target = format!("-DCRUMPLE_CARGO_TARGET_DIR={}", in_target("").display());
     let build = |source: &Path, name: &str, options: &[&str]| -> Result<PathBuf> {
         let build = directory.join(name);
-        cmd!(sh, "cmake -S {source} -B {build} {target} {options...}").quiet().ignore_stdout().run()?;
-        cmd!(sh, "cmake --build {build}").ignore_stdout().run()?;
+        silent!("cmake -S {source} -B {build} {target} {options...}")?;
+        cmd!("cmake --build {build}").ignore_stdout().run()?;
         Ok(build)
     };
     let library = build(root, "library", &[])?;
     let installed = directory.join("prefix");
-    cmd!(sh, "cmake --install {library} --prefix {installed}").ignore_stdout().run()?;
+    cmd!("cmake --install {library} --prefix {installed}").ignore_stdout().run()?;
     same_files(&prefix, &installed)?;
     let fetched = format!("-DCRUMPLE_SOURCE={}", root.display());
     let found = format!("-DCMAKE_PREFIX_PATH={}", installed.display());
     for (name, option) in [("fetched", &fetched), ("found", &found)] {
-        let client = build(&workspace.path(CLIENT), name, &[option])?;
-        cmd!(sh, "ctest --test-dir {client} --output-on-failure --no-tests=error").run()?;
+        let client = build(&in_root(CLIENT), name, &[option])?;
+        cmd!("ctest --test-dir {client} --output-on-failure --no-tests=error").run()?;
     }
     Ok(())
 }
 
 /// Conan builds the package of the recipe, and a program finds it.
-pub fn conan(workspace: &Workspace) -> Result<()> {
-    let python = python::environment(workspace, PYTHON3, "conan-venv", REQUIREMENTS)?;
-    let (sh, root) = (&workspace.shell, &workspace.root);
-    let (conan, home) = (python.with_file_name("conan"), workspace.target.join("conan"));
+pub fn conan() -> Result<()> {
+    let python = python::environment(PYTHON3, "conan-venv", REQUIREMENTS)?;
+    let root = &root();
+    let (conan, home) = (python.with_file_name("conan"), in_target("conan"));
     empty_directory(&home)?;
     // Conan builds the program where its source is.
     let client = home.join("client");
-    copy_tree(&workspace.path(CLIENT), &client)?;
-    let _home = sh.push_env("CONAN_HOME", &home);
+    copy_tree(CLIENT, &client)?;
+    let _home = sh().push_env("CONAN_HOME", &home);
     // Cargo builds in a folder below, and finds the dependencies that the installer built. The library alone is another one, which is not
     // optimised: that would take a minute.
     let cargo = home.join(".cargo");
     fs::create_dir(&cargo)?;
     fs::write(cargo.join("config.toml"), "[profile.release.package.crumple]\nopt-level = 0\n")?;
-    let _flags = sh.push_env("CARGO_ENCODED_RUSTFLAGS", workspace.anywhere()?.join("\u{1f}"));
-    let target = workspace.target.display();
+    let _flags = sh().push_env("CARGO_ENCODED_RUSTFLAGS", anywhere()?.join("\u{1f}"));
+    let target = in_target("");
+    let target = target.display();
     // In the cache: CMake would prefer the default there to a plain variable.
     let target = format!("{{'value': '{target}', 'cache': True, 'type': 'PATH', 'docstring': 'Cargo'}}");
     let target = format!("tools.cmake.cmaketoolchain:extra_variables={{'CRUMPLE_CARGO_TARGET_DIR': {target}}}");
-    cmd!(sh, "{conan} profile detect").quiet().ignore_stdout().ignore_stderr().run()?;
-    cmd!(sh, "{conan} create {root} --test-folder {client} --conf {target}").ignore_stdout().run()?;
+    cmd!("{conan} profile detect").quiet().ignore_stdout().ignore_stderr().run()?;
+    cmd!("{conan} create {root} --test-folder {client} --conf {target}").ignore_stdout().run()?;
     Ok(())
 }
 
 /// The crate compiles from the files that crates.io gets.
-pub fn crates_io(workspace: &Workspace) -> Result<()> {
+pub fn crates_io() -> Result<()> {
     // Cargo's own check takes another folder each time, so that nothing can be compiled ahead.
     let package = ["package", "--quiet", "--allow-dirty", "--no-verify", "--package", "crumple"];
-    workspace.cargo(&package).run()?;
-    let name = format!("crumple-{}", workspace.version);
-    let file = workspace.target.join("package").join(format!("{name}.crate"));
+    cargo(&package).run()?;
+    let name = format!("crumple-{}", VERSION);
+    let file = in_target("package").join(format!("{name}.crate"));
     // The archive's files all have one time, by which Cargo would take changed ones for those that it has compiled.
-    let (home, version) = (workspace.target.join("crate"), sha256(&bytes(&file)?));
-    let (sh, to) = (&workspace.shell, home.join(version));
+    let (home, version) = (in_target("crate"), sha256(&bytes(&file)?));
+    let to = home.join(version);
     let (manifest, target) = (to.join(name).join("Cargo.toml"), home.join("target"));
     empty_directory(&to)?;
-    cmd!(sh, "tar -xzf {file} -C {to}").quiet().run()?;
+    run!("tar -xzf {file} -C {to}")?;
     // It is no package of the repository in whose target folder it lies.
     write(&manifest, read(&manifest)? + "\n[workspace]\n")?;
-    cmd!(sh, "cargo check --locked --manifest-path {manifest} --target-dir {target}").run()?;
+    cmd!("cargo check --locked --manifest-path {manifest} --target-dir {target}").run()?;
     Ok(())
 }

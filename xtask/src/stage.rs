@@ -1,19 +1,13 @@
 //! Stages of `cargo xtask test` and `cargo xtask ci`. Every stage runs, and a table at the end says how each one ended and how long
 //! it took.
 
+use crate::prelude::*;
 use std::fmt;
-use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::process::{Command, Stdio};
-use std::time::Instant;
-
-use anyhow::{Result, bail, ensure};
-
-use crate::tools::{self, Tool};
-use crate::workspace::{Background, Workspace};
+use std::panic::catch_unwind;
 
 pub struct Stage {
     pub name: &'static str,
-    pub run: fn(&Workspace) -> Result<()>,
+    pub run: fn() -> Result<()>,
     /// What passing it shows.
     pub shows: &'static str,
     pub needs: &'static [Tool],
@@ -39,23 +33,25 @@ pub const fn unless(here: bool, reason: &'static str) -> Option<&'static str> {
 }
 
 impl Stage {
-    pub const fn new(name: &'static str, run: fn(&Workspace) -> Result<()>, shows: &'static str) -> Self {
+    pub const fn new(name: &'static str, run: fn() -> Result<()>, shows: &'static str) -> Self {
         Self { name, run, shows, needs: &[], wants: &[], leaves: &[], elsewhere: None }
     }
 }
 
-/// The error of a stage that does not run. It says why.
+/// The error of a stage that does not run, or not whole. It says why.
 #[derive(Debug)]
 pub enum LeftOut {
     /// A program is missing, or cannot be fetched.
     Missing(String),
+    /// It has passed, but has left out a part.
+    Part(String),
     /// It has nothing to do here. No installation changes that.
     NotApplicable(String),
 }
 
 impl fmt::Display for LeftOut {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (Self::Missing(reason) | Self::NotApplicable(reason)) = self;
+        let (Self::Missing(reason) | Self::Part(reason) | Self::NotApplicable(reason)) = self;
         f.write_str(reason)
     }
 }
@@ -75,16 +71,15 @@ pub struct Rules {
     pub ahead: bool,
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Verdict {
-    Passed,
-    /// Failed, and passed when it ran again.
-    SecondTry,
-    /// Passed, but left out a part.
-    InPart,
-    LeftOut,
-    Failed,
-}
+/// How a stage ends, as the table says it.
+type Verdict = &'static str;
+const PASSED: Verdict = "passed";
+/// Failed, and passed when it ran again.
+const SECOND_TRY: Verdict = "second try";
+/// Passed, but left out a part.
+const IN_PART: Verdict = "in part";
+const LEFT_OUT: Verdict = "left out";
+const FAILED: Verdict = "failed";
 
 /// A stage's row in the closing table.
 struct Row {
@@ -105,27 +100,62 @@ fn compile_ahead() -> Option<Background> {
 }
 
 /// Runs `stages` in order, prints the closing table, and fails if any stage failed.
-pub fn run_all(workspace: &Workspace, stages: &[&Stage], rules: Rules) -> Result<()> {
-    let used = |tool: &&Tool| workspace.all || !tools::FOR_ALL.contains(tool);
+pub fn run_all(stages: &[&Stage], rules: Rules) -> Result<()> {
+    let used = |tool: &&Tool| all() || !tools::FOR_ALL.contains(tool);
     let wanted = |stage: &&Stage| stage.needs.iter().chain(stage.wants.iter().filter(used));
-    let missing = tools::provide(workspace, stages.iter().flat_map(wanted));
+    let missing = tools::provide(stages.iter().flat_map(wanted));
     let _ahead = rules.ahead.then(compile_ahead);
-    let rows = run_each(stages, rules, |stage| {
-        let left_out = run_one(workspace, stage, &missing)?;
-        for folder in stage.leaves.iter().filter(|_| rules.tidy) {
-            // What cannot be removed only costs disk.
-            let _ = workspace.shell.remove_path(workspace.target.join(folder));
-        }
-        Ok(left_out)
-    });
-    print!("\n{}", table(&rows, workspace.all));
-    let failed = names(&rows, Verdict::Failed);
+    let rows = run_each(stages, rules, &missing);
+    print!("\n{}", table(&rows, all()));
+    let failed = names(&rows, FAILED);
     ensure!(failed.is_empty(), "failed: {failed}");
     Ok(())
 }
 
-/// Returns why a part was left out, if one was.
-fn run_one(workspace: &Workspace, stage: &Stage, missing: &[Tool]) -> Result<Option<String>> {
+fn run_each(stages: &[&Stage], rules: Rules, missing: &[Tool]) -> Vec<Row> {
+    let mut rows: Vec<Row> = Vec::new();
+    for stage in stages {
+        let stopped = rules.fail_fast && rows.iter().any(|row| row.verdict == FAILED);
+        let skipped =
+            || Row { name: stage.name, verdict: LEFT_OUT, seconds: 0.0, reason: "an earlier stage failed".to_owned() };
+        rows.push(stopped.then(skipped).unwrap_or_else(|| row(stage, rules, missing)));
+    }
+    let again = rules.retry && !rules.fail_fast;
+    for (stage, first) in stages.iter().zip(&mut rows).filter(|(_, row)| again && row.verdict == FAILED) {
+        println!("\n== {} failed and runs once more", stage.name);
+        let second = row(stage, rules, missing);
+        // The row keeps why it failed first, and has the seconds of both runs.
+        first.seconds += second.seconds;
+        if second.verdict != FAILED {
+            first.verdict = SECOND_TRY;
+        }
+    }
+    rows
+}
+
+fn row(stage: &Stage, rules: Rules, missing: &[Tool]) -> Row {
+    println!("\n== {}: {}", stage.name, stage.shows);
+    let start = Instant::now();
+    // A stage that panics must not end the others.
+    let ended = catch_unwind(|| run_one(stage, missing)).unwrap_or_else(|_| Err(anyhow!("the stage panicked")));
+    let verdict = match ended.as_ref().map_err(|error| error.downcast_ref()) {
+        Ok(()) => PASSED,
+        Err(Some(LeftOut::NotApplicable(_))) => LEFT_OUT,
+        Err(Some(LeftOut::Missing(_))) if !rules.require_all => LEFT_OUT,
+        Err(Some(LeftOut::Part(_))) if !rules.require_all => IN_PART,
+        Err(_) => FAILED,
+    };
+    for folder in stage.leaves.iter().filter(|_| rules.tidy && [PASSED, IN_PART].contains(&verdict)) {
+        // What cannot be removed only costs disk.
+        let _ = sh().remove_path(in_target(folder));
+    }
+    let (seconds, reason) = (start.elapsed().as_secs_f64(), ended.err().map(|error| format!("{error:#}")));
+    println!("== {}: {verdict} after {seconds:.1} s", stage.name);
+    reason.iter().for_each(|reason| println!("{reason}"));
+    Row { name: stage.name, verdict, seconds, reason: reason.unwrap_or_default() }
+}
+
+fn run_one(stage: &Stage, missing: &[Tool]) -> Result<()> {
     if let Some(reason) = stage.elsewhere {
         bail!(LeftOut::NotApplicable(reason.to_owned()));
     }
@@ -136,56 +166,8 @@ fn run_one(workspace: &Workspace, stage: &Stage, missing: &[Tool]) -> Result<Opt
     if let Some(advice) = missing_of(stage.needs) {
         bail!(LeftOut::Missing(advice));
     }
-    workspace.left_out.take();
-    (stage.run)(workspace)?;
-    Ok(workspace.left_out.take().or_else(|| missing_of(stage.wants)))
-}
-
-type Run<'a> = dyn FnMut(&Stage) -> Result<Option<String>> + 'a;
-
-fn run_each(stages: &[&Stage], rules: Rules, mut run: impl FnMut(&Stage) -> Result<Option<String>>) -> Vec<Row> {
-    let mut rows: Vec<Row> = Vec::new();
-    for stage in stages {
-        let stopped = rules.fail_fast && rows.iter().any(|row| row.verdict == Verdict::Failed);
-        let skipped = || ("an earlier stage failed".to_owned(), Verdict::LeftOut);
-        rows.push(match stopped.then(skipped) {
-            Some((reason, verdict)) => Row { name: stage.name, verdict, seconds: 0.0, reason },
-            None => row(stage, rules, &mut run),
-        });
-    }
-    let again = rules.retry && !rules.fail_fast;
-    for (stage, first) in stages.iter().zip(&mut rows).filter(|(_, row)| again && row.verdict == Verdict::Failed) {
-        println!("\n== {} failed and runs once more", stage.name);
-        let second = row(stage, rules, &mut run);
-        // The row keeps why it failed first, and has the seconds of both runs.
-        first.seconds += second.seconds;
-        if second.verdict != Verdict::Failed {
-            first.verdict = Verdict::SecondTry;
-        }
-    }
-    rows
-}
-
-fn row(stage: &Stage, rules: Rules, run: &mut Run<'_>) -> Row {
-    println!("\n== {}: {}", stage.name, stage.shows);
-    let start = Instant::now();
-    // A stage that panics must not end the others.
-    let ended = catch_unwind(AssertUnwindSafe(|| run(stage))).unwrap_or_else(|_| bail!("the stage panicked"));
-    let (verdict, reason) = match ended {
-        Ok(None) => (Verdict::Passed, String::new()),
-        Ok(Some(reason)) => (if rules.require_all { Verdict::Failed } else { Verdict::InPart }, reason),
-        Err(error) => match error.downcast_ref() {
-            Some(LeftOut::NotApplicable(_)) => (Verdict::LeftOut, format!("{error:#}")),
-            Some(LeftOut::Missing(_)) if !rules.require_all => (Verdict::LeftOut, format!("{error:#}")),
-            _ => (Verdict::Failed, format!("{error:#}")),
-        },
-    };
-    let seconds = start.elapsed().as_secs_f64();
-    println!("== {}: {} after {seconds:.1} s", stage.name, verdict.word());
-    if !reason.is_empty() {
-        println!("{reason}");
-    }
-    Row { name: stage.name, verdict, seconds, reason }
+    (stage.run)()?;
+    missing_of(stage.wants).map_or(Ok(()), |advice| Err(anyhow!(LeftOut::Part(advice))))
 }
 
 /// Fails with the names of what failed, after printing why.
@@ -203,20 +185,18 @@ fn table(rows: &[Row], all: bool) -> String {
     let all = if all { " --all" } else { "" };
     let mut text = format!("{:width$}  result      seconds  repeat alone\n", "stage");
     for Row { name, verdict, seconds, reason } in rows {
-        let (result, reason) = (verdict.word(), reason.lines().next().unwrap_or_default());
-        let line = format!(
-            "{name:width$}  {result:10}  {seconds:7.1}  cargo xtask test{all} --only {name:width$}  {reason:.90}"
-        );
-        text += line.trim_end();
+        let reason = reason.lines().next().unwrap_or_default();
+        let repeat = format!("cargo xtask test{all} --only {name:width$}  {reason:.90}");
+        text += format!("{name:width$}  {verdict:10}  {seconds:7.1}  {repeat}").trim_end();
         text.push('\n');
     }
-    let unsteady = names(rows, Verdict::SecondTry);
+    let unsteady = names(rows, SECOND_TRY);
     if !unsteady.is_empty() {
         text += &format!("\n{unsteady}: failed, then passed when run again. That is a bug.\n");
     }
-    let count = |verdict| rows.iter().filter(|row| row.verdict == verdict).count();
-    let passed = count(Verdict::Passed) + count(Verdict::SecondTry) + count(Verdict::InPart);
-    format!("{text}\n{passed} passed, {} failed, {} skipped\n", count(Verdict::Failed), count(Verdict::LeftOut))
+    let count = |verdicts: &[Verdict]| rows.iter().filter(|row| verdicts.contains(&row.verdict)).count();
+    let passed = count(&[PASSED, SECOND_TRY, IN_PART]);
+    format!("{text}\n{passed} passed, {} failed, {} skipped\n", count(&[FAILED]), count(&[LEFT_OUT]))
 }
 
 /// The stages that ended so.
@@ -224,61 +204,45 @@ fn names(rows: &[Row], verdict: Verdict) -> String {
     rows.iter().filter(|row| row.verdict == verdict).map(|row| row.name).collect::<Vec<_>>().join(", ")
 }
 
-impl Verdict {
-    fn word(self) -> &'static str {
-        match self {
-            Self::Passed => "passed",
-            Self::SecondTry => "second try",
-            Self::InPart => "in part",
-            Self::LeftOut => "left out",
-            Self::Failed => "failed",
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+
     use super::*;
 
-    fn verdicts(rules: Rules) -> Vec<Verdict> {
-        let names = ["good", "bad", "partial", "absent", "untagged", "unsteady", "panics"];
-        let (stages, mut tries) = (names.map(|name| Stage::new(name, |_| Ok(()), "")), 0);
-        let rows = run_each(&stages.each_ref(), rules, |stage| match stage.name {
-            "good" => Ok(None),
-            "bad" => bail!("two is not three\nand more"),
-            "partial" => Ok(Some("no ODE".into())),
-            "absent" => bail!(LeftOut::Missing("no CMake".into())),
-            "unsteady" => {
-                tries += 1;
-                ensure!(tries > 1, "a race");
-                Ok(None)
-            }
-            "panics" => panic!("a panic that a test makes"),
-            _ => bail!(LeftOut::NotApplicable("no tag".into())),
-        });
-        rows.iter().map(|row| row.verdict).collect()
-    }
+    static TRIES: AtomicUsize = AtomicUsize::new(0);
+    const STAGES: &[Stage] = stages! {
+        "good": || Ok(()), "";
+        "bad": || bail!("two is not three\nand more"), "";
+        "partial": || bail!(LeftOut::Part("no ODE".into())), "";
+        "absent": || Ok(()), "", needs: &[tools::CMAKE];
+        "elsewhere": || Ok(()), "", elsewhere: unless(false, "no tag");
+        "unsteady": || Ok(ensure!(TRIES.fetch_add(1, Relaxed) > 0, "a race")), "";
+        "panics": || panic!("a panic that a test makes"), "";
+    };
 
     #[test]
     fn a_stage_that_fails_does_not_hide_the_others() {
-        use Verdict::{Failed, InPart, LeftOut, Passed, SecondTry};
-        assert_eq!(verdicts(Rules::default()), [Passed, Failed, InPart, LeftOut, LeftOut, Failed, Failed]);
-        let required = [Passed, Failed, Failed, Failed, LeftOut, Failed, Failed];
-        assert_eq!(verdicts(Rules { require_all: true, ..Rules::default() }), required);
-        let stopped = [Passed, Failed, LeftOut, LeftOut, LeftOut, LeftOut, LeftOut];
-        assert_eq!(verdicts(Rules { fail_fast: true, retry: true, ..Rules::default() }), stopped);
-        let tried = [Passed, Failed, InPart, LeftOut, LeftOut, SecondTry, Failed];
-        assert_eq!(verdicts(Rules { retry: true, ..Rules::default() }), tried);
+        let verdicts = |rules: Rules| -> Vec<Verdict> {
+            TRIES.store(0, Relaxed);
+            let rows = run_each(&STAGES.iter().collect::<Vec<_>>(), rules, &[tools::CMAKE]);
+            rows.iter().map(|row| row.verdict).collect()
+        };
+        let (default, p, f, l) = (Rules::default(), PASSED, FAILED, LEFT_OUT);
+        assert_eq!(verdicts(default), [p, f, IN_PART, l, l, f, f]);
+        assert_eq!(verdicts(Rules { require_all: true, ..default }), [p, f, f, f, l, f, f]);
+        assert_eq!(verdicts(Rules { fail_fast: true, retry: true, ..default }), [p, f, l, l, l, l, l]);
+        assert_eq!(verdicts(Rules { retry: true, ..default }), [p, f, IN_PART, l, l, SECOND_TRY, f]);
     }
 
     #[test]
     fn the_table_ends_with_a_line_of_counts() {
         let row = |name, verdict, reason: &str| Row { name, verdict, seconds: 1.25, reason: reason.into() };
         let rows = [
-            row("install", Verdict::Passed, ""),
-            row("abi", Verdict::LeftOut, "no tag"),
-            row("rust", Verdict::Failed, "cargo test failed\nwith status 101"),
-            row("threads", Verdict::SecondTry, "a race"),
+            row("install", PASSED, ""),
+            row("abi", LEFT_OUT, "no tag"),
+            row("rust", FAILED, "cargo test failed\nwith status 101"),
+            row("threads", SECOND_TRY, "a race"),
         ];
         let expected = "\
 stage    result      seconds  repeat alone

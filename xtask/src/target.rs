@@ -1,13 +1,6 @@
 //! The system that a library is built for: this machine's, or one of those that this machine only compiles for.
 
-use std::path::{Path, PathBuf};
-
-use anyhow::Result;
-use regex_lite::Regex;
-use xshell::{Cmd, Shell, cmd};
-
-use crate::files::read;
-use crate::workspace::Workspace;
+use crate::prelude::*;
 
 pub const WINDOWS: &str = "x86_64-pc-windows-gnu";
 pub const AARCH64: &str = "aarch64-unknown-linux-gnu";
@@ -28,8 +21,8 @@ pub struct Target {
 
 impl Target {
     /// This machine's system.
-    pub fn host(workspace: &Workspace) -> Result<Self> {
-        Ok(Self { triple: workspace.rustc("host")?, cross: false })
+    pub fn host() -> Result<Self> {
+        Ok(Self { triple: rustc_says("host")?, cross: false })
     }
 
     /// Another system.
@@ -78,8 +71,8 @@ impl Target {
     }
 
     /// The folder that holds the builds of a profile.
-    pub fn directory(&self, workspace: &Workspace, profile: &str) -> PathBuf {
-        if self.cross { cross(workspace).join(&self.triple) } else { workspace.target.clone() }.join(profile)
+    pub fn directory(&self, profile: &str) -> PathBuf {
+        if self.cross { cross().join(&self.triple) } else { in_target("") }.join(profile)
     }
 
     /// A program of GNU's compiler or binutils for this system: `gcc`, `strip`.
@@ -93,14 +86,13 @@ impl Target {
     }
 
     /// Whether Rust can compile for it.
-    pub fn has_rust(&self, workspace: &Workspace) -> bool {
-        self.has_standard_library(workspace) || Self::has_source()
+    pub fn has_rust(&self) -> bool {
+        self.has_standard_library() || Self::has_source()
     }
 
     /// Whether the toolchain that runs this program has the standard library for it: rustup installs that.
-    pub fn has_standard_library(&self, workspace: &Workspace) -> bool {
-        !self.cross
-            || workspace.sysroot().is_ok_and(|root| root.join("lib/rustlib").join(&self.triple).join("lib").is_dir())
+    pub fn has_standard_library(&self) -> bool {
+        !self.cross || sysroot().is_ok_and(|root| root.join("lib/rustlib").join(&self.triple).join("lib").is_dir())
     }
 
     /// Whether Debian's Rust is here with the source of the standard library.
@@ -109,8 +101,8 @@ impl Target {
     }
 
     /// `NAME-VERSION` of the packages that the standard library is compiled from, if it is compiled here.
-    pub fn standard_packages(&self, workspace: &Workspace) -> Result<Vec<String>> {
-        if self.has_standard_library(workspace) {
+    pub fn standard_packages(&self) -> Result<Vec<String>> {
+        if self.has_standard_library() {
             return Ok(Vec::new());
         }
         let lock = read(&Path::new(DEBIAN_SOURCE).join("Cargo.lock"))?;
@@ -133,11 +125,11 @@ impl Target {
     }
 
     /// Cargo with these arguments, building for this system with no path of this machine in the binaries.
-    pub fn cargo<'a>(&self, workspace: &'a Workspace, arguments: &[&str]) -> Result<Cmd<'a>> {
+    pub fn cargo(&self, arguments: &[&str]) -> Result<Cmd<'static>> {
         if !self.cross {
-            return workspace.cargo_anywhere(arguments);
+            return cargo_anywhere(arguments);
         }
-        let mut flags = workspace.anywhere()?;
+        let mut flags = anywhere()?;
         // A warning here is one that the lints of this machine's system do not see.
         flags.push("--deny=warnings".to_owned());
         let mut linker = self.gnu("gcc");
@@ -148,30 +140,30 @@ impl Target {
         }
         let (first, rest) = arguments.split_first().unwrap_or((&"", &[]));
         let triple = &self.triple;
-        let cargo = if self.has_standard_library(workspace) {
-            workspace.cargo(&[first, "--target", triple])
+        let cargo = if self.has_standard_library() {
+            cargo(&[first, "--target", triple])
         } else {
             // Cargo calls this unstable. Debian's Rust has no compiled standard library for other systems.
             let panic = if triple == WEB { "panic_abort" } else { "panic_unwind" };
             let source = format!("-Zbuild-std=std,{panic},test");
-            let cargo = cmd!(workspace.shell, "{DEBIAN_CARGO} {first} {source} --target {triple}");
+            let cargo = cmd!("{DEBIAN_CARGO} {first} {source} --target {triple}");
             cargo.env("RUSTC", DEBIAN_RUSTC).env("RUSTC_BOOTSTRAP", "1")
         };
         // Builds for this system do not wait for it.
-        let cargo = cargo.env("CARGO_TARGET_DIR", cross(workspace)).env(self.variable("LINKER"), linker);
+        let cargo = cargo.env("CARGO_TARGET_DIR", cross()).env(self.variable("LINKER"), linker);
         Ok(cargo.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\u{1f}")).args(rest))
     }
 }
 
 /// Cargo's target directory for other systems.
-fn cross(workspace: &Workspace) -> PathBuf {
-    workspace.target.join("cross")
+fn cross() -> PathBuf {
+    in_target("cross")
 }
 
 /// Runs a program in the shell's folder. `runner` is a program that runs it, with arguments, or empty.
-pub fn launch<'a>(sh: &'a Shell, runner: &[&str], program: &Path) -> Cmd<'a> {
+pub fn launch(runner: &[&str], program: &Path) -> Cmd<'static> {
     match runner.split_first() {
-        Some((first, rest)) => cmd!(sh, "{first} {rest...} {program}").quiet(),
-        None => cmd!(sh, "{program}").quiet(),
+        Some((first, rest)) => cmd!("{first} {rest...} {program}").quiet(),
+        None => cmd!("{program}").quiet(),
     }
 }

@@ -1,15 +1,6 @@
 //! `cargo xtask test` and `cargo xtask ci`: the list of test stages, and which stages a command runs.
 
-use anyhow::{Result, bail};
-use clap::Args;
-
-use crate::stage::{self, Rules, Stage, stages, unless};
-use crate::tools::*;
-use crate::workspace::Workspace;
-use crate::{
-    abi, blender, car, csharp, exports, fuzz, godot, header, lab, native, nightly, package, platforms, python, repo,
-    rooms, source, valgrind, vulkan, web,
-};
+use crate::prelude::*;
 
 #[derive(Args, Default)]
 pub struct Options {
@@ -29,15 +20,15 @@ pub struct Options {
 
 /// The checks that `cargo xtask ci` runs before the tests.
 const CHECKS: &[Stage] = stages! {
-    "repository": |workspace| repo::run(workspace, false),
+    "repository": || repo::run(false),
         "sizes, shown programs, changelog, .meta files and quoted messages are right";
     "rooms": rooms::run, "the imports of src keep the order of its rooms";
-    "header": |workspace| header::run(workspace, true),
+    "header": || header::run(true),
         "the committed header and the C# and Python declarations match the sources";
-    "format": |workspace| Ok(workspace.cargo(&["fmt", "--all", "--check"]).run()?), "rustfmt changes nothing";
-    "lints": |workspace| clippy(workspace, &["--workspace", "--all-targets", "--all-features"]),
+    "format": || Ok(cargo(&["fmt", "--all", "--check"]).run()?), "rustfmt changes nothing";
+    "lints": || clippy(&["--workspace", "--all-targets", "--all-features"]),
         "clippy finds nothing, with all features";
-    "lints-slim": |workspace| clippy(workspace, &["--package", "crumple", "--lib", "--no-default-features"]),
+    "lints-slim": || clippy(&["--package", "crumple", "--lib", "--no-default-features"]),
         "clippy finds nothing in the library without features";
     "documentation": documentation, "rustdoc finds nothing";
 };
@@ -123,7 +114,7 @@ const STAGES: &[Stage] = stages! {
 };
 
 /// Runs the stages that `options` choose. A stage that is not everybody's always runs whole; those that are run whole with `--all`.
-pub fn run(workspace: &mut Workspace, options: &Options) -> Result<()> {
+pub fn run(options: &Options) -> Result<()> {
     let every = || CHECKS.iter().chain(STAGES);
     for name in &options.only {
         if !every().any(|stage| stage.name == name) {
@@ -137,48 +128,48 @@ pub fn run(workspace: &mut Workspace, options: &Options) -> Result<()> {
         (true, true) => STAGES.iter().collect(),
         (true, false) => STAGES.iter().filter(everybodys).collect(),
     };
-    workspace.all = options.all || !stages.iter().all(everybodys);
+    test_all(options.all || !stages.iter().all(everybodys));
     let in_ci = std::env::var("CI").is_ok_and(|value| value == "true" || value == "1");
     let (require_all, fail_fast) = (options.require_all || in_ci, options.fail_fast);
     let ahead = options.all && options.only.is_empty();
-    stage::run_all(workspace, &stages, Rules { require_all, fail_fast, retry: in_ci, tidy: false, ahead })
+    stage::run_all(&stages, Rules { require_all, fail_fast, retry: in_ci, tidy: false, ahead })
 }
 
 /// `cargo xtask ci`: runs every check and every test. A missing program fails its stage.
-pub fn ci(workspace: &Workspace, fail_fast: bool) -> Result<()> {
+pub fn ci(fail_fast: bool) -> Result<()> {
     let stages: Vec<&Stage> = CHECKS.iter().chain(STAGES).collect();
-    stage::run_all(workspace, &stages, Rules { require_all: true, fail_fast, retry: true, tidy: true, ahead: true })
+    stage::run_all(&stages, Rules { require_all: true, fail_fast, retry: true, tidy: true, ahead: true })
 }
 
 /// Compiles what stages need in target folders of their own, in their order. A stage finds it ready, or waits for Cargo's lock.
-pub fn ahead(workspace: &Workspace) -> Result<()> {
-    let builds: [fn(&Workspace) -> Result<()>; 6] =
+pub fn ahead() -> Result<()> {
+    let builds: [fn() -> Result<()>; 6] =
         [source::crates_io, godot::build, web::build, fuzz::build_for_stage, nightly::build, platforms::build];
     for build in builds {
         // The stage says again what fails.
-        let _ = build(workspace);
+        let _ = build();
     }
     Ok(())
 }
 
-fn rust(workspace: &Workspace) -> Result<()> {
+fn rust() -> Result<()> {
     // Stage "vulkan" runs these tests with drivers.
-    let library = workspace.tests(&[]).env("VK_DRIVER_FILES", workspace.path("no-driver")).run();
+    let library = tests(&[]).env("VK_DRIVER_FILES", in_root("no-driver")).run();
     let mut results = vec![("the library", library.map_err(Into::into))];
-    if workspace.all {
-        let helper = workspace.cargo(&["test", "--profile", "xtask", "--package", "xtask"]).run();
+    if all() {
+        let helper = cargo(&["test", "--profile", "xtask", "--package", "xtask"]).run();
         results.push(("xtask", helper.map_err(Into::into)));
     }
     stage::all_passed(results)
 }
 
-fn documentation(workspace: &Workspace) -> Result<()> {
+fn documentation() -> Result<()> {
     // The whole workspace with all features: stage "lints" has checked its dependencies so.
     let what = ["doc", "--no-deps", "--workspace", "--all-features"];
-    Ok(workspace.cargo(&what).env("RUSTDOCFLAGS", "--deny warnings").run()?)
+    Ok(cargo(&what).env("RUSTDOCFLAGS", "--deny warnings").run()?)
 }
 
-fn clippy(workspace: &Workspace, what: &[&str]) -> Result<()> {
+fn clippy(what: &[&str]) -> Result<()> {
     let deny = ["--", "--deny", "warnings", "--deny", "clippy::undocumented_unsafe_blocks"];
-    Ok(workspace.cargo(&["clippy"]).args(what).args(deny).run()?)
+    Ok(cargo(&["clippy"]).args(what).args(deny).run()?)
 }

@@ -1,15 +1,6 @@
 //! Programs and libraries that the tests need beside Rust. `provide` finds them, and installs missing ones if it may.
 
-use std::path::{Path, PathBuf};
-
-use anyhow::{Context, Result, ensure};
-use xshell::cmd;
-
-use crate::files::empty_directory;
-use crate::stage::LeftOut;
-use crate::target::{self, Target};
-use crate::wine;
-use crate::workspace::Workspace;
+use crate::prelude::*;
 
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub struct Tool {
@@ -80,19 +71,19 @@ tools! {
     PNG: "libpng's headers", "pkg-config libpng-dev", Library("libpng");
     /// Similar to Unity's C#.
     MONO: "Mono with its C# compiler", "mono-mcs mono-runtime", Programs("mcs mono");
-    WINDOWS_RUST: "Rust for Windows (or: rustup target add x86_64-pc-windows-gnu)", FOR_RUST, Rust(target::WINDOWS);
+    WINDOWS_RUST: "Rust for Windows (or: rustup target add x86_64-pc-windows-gnu)", FOR_RUST, Rust(WINDOWS);
     MINGW: "MinGW's compilers", "g++-mingw-w64-x86-64-posix mingw-w64-x86-64-dev",
         Programs("x86_64-w64-mingw32-gcc-posix x86_64-w64-mingw32-g++-posix");
     WINE: "Wine", "wine64", File(wine::PROGRAMS);
     /// A display without a screen.
     XVFB: "Xvfb", "xvfb", File(&["/usr/bin/Xvfb"]);
     LLVM: "LLVM's clang, lld-link and llvm-dlltool", "clang lld llvm", Programs("clang lld-link llvm-strip");
-    AARCH64_RUST: "Rust for 64-bit ARM (or: rustup target add aarch64-unknown-linux-gnu)", FOR_RUST, Rust(target::AARCH64);
+    AARCH64_RUST: "Rust for 64-bit ARM (or: rustup target add aarch64-unknown-linux-gnu)", FOR_RUST, Rust(AARCH64);
     AARCH64_CC: "GNU's compilers for 64-bit ARM", "g++-aarch64-linux-gnu",
         Programs("aarch64-linux-gnu-gcc aarch64-linux-gnu-g++");
-    I686_RUST: "Rust for 32-bit x86 (or: rustup target add i686-unknown-linux-gnu)", FOR_RUST, Rust(target::I686);
+    I686_RUST: "Rust for 32-bit x86 (or: rustup target add i686-unknown-linux-gnu)", FOR_RUST, Rust(I686);
     I686_CC: "GNU's compilers for 32-bit x86", "g++-i686-linux-gnu", Programs("i686-linux-gnu-gcc i686-linux-gnu-g++");
-    WEB_RUST: "Rust for WebAssembly (or: rustup target add wasm32-unknown-unknown)", FOR_RUST, Rust(target::WEB);
+    WEB_RUST: "Rust for WebAssembly (or: rustup target add wasm32-unknown-unknown)", FOR_RUST, Rust(WEB);
     CHROMIUM: "Chromium", "chromium", Programs("/usr/bin/chromium");
     /// Runs programs for 64-bit ARM.
     QEMU: "qemu-aarch64", "qemu-user", Programs("qemu-aarch64");
@@ -106,40 +97,39 @@ pub const FOR_WINDOWS: &[Tool] = &[CC, CMAKE, WINDOWS_RUST, MINGW, WINE, XVFB, L
 pub const FOR_ALL: &[Tool] = &[ODE, BULLET, SWIFTSHADER];
 
 impl Tool {
-    pub fn here(self, workspace: &Workspace) -> bool {
-        let sh = &workspace.shell;
+    pub fn here(self) -> bool {
         let ends_well = |program: &str, arguments: &[&str]| {
-            cmd!(sh, "{program} {arguments...}").quiet().ignore_stdout().ignore_stderr().run().is_ok()
+            cmd!("{program} {arguments...}").quiet().ignore_stdout().ignore_stderr().run().is_ok()
         };
         match self.sign {
             Programs(names) => names.split(' ').all(|name| ends_well(name, &["--version"])),
             Call(words) => ends_well(words[0], &words[1..]),
             Library(name) => ends_well("pkg-config", &["--exists", name]),
-            Loaded(names) => cmd!(sh, "/sbin/ldconfig -p").quiet().ignore_stderr().read().is_ok_and(|known| {
+            Loaded(names) => cmd!("/sbin/ldconfig -p").quiet().ignore_stderr().read().is_ok_and(|known| {
                 names.split(' ').all(|name| known.lines().any(|line| line.trim_start().starts_with(name)))
             }),
-            Rust(triple) => Target::other(triple).has_rust(workspace),
+            Rust(triple) => Target::other(triple).has_rust(),
             File(paths) => paths.iter().any(|path| Path::new(path).exists()),
         }
     }
 }
 
 /// Installs the missing tools of `wanted` on Debian and its derivatives, as root or by sudo. Returns the tools that are still missing.
-pub fn provide<'t>(workspace: &Workspace, wanted: impl IntoIterator<Item = &'t Tool>) -> Vec<Tool> {
+pub fn provide<'t>(wanted: impl IntoIterator<Item = &'t Tool>) -> Vec<Tool> {
     let mut missing: Vec<Tool> = wanted.into_iter().copied().collect();
     missing.sort();
     missing.dedup();
-    let still_missing = |missing: &mut Vec<Tool>| missing.retain(|tool| !tool.here(workspace));
+    let still_missing = |missing: &mut Vec<Tool>| missing.retain(|tool| !tool.here());
     still_missing(&mut missing);
     for tool in &missing {
         if let Rust(triple) = tool.sign {
             // Where there is no rustup, or it reaches nothing, a package of the distribution follows.
-            let _ = cmd!(workspace.shell, "rustup target add {triple}").ignore_stderr().run();
+            let _ = cmd!("rustup target add {triple}").ignore_stderr().run();
         }
     }
     still_missing(&mut missing);
     let packages = packages_of(&missing);
-    if let Some(apt) = apt(workspace).filter(|_| !packages.is_empty()) {
+    if let Some(apt) = apt().filter(|_| !packages.is_empty()) {
         println!("installing what is missing: {}", packages.join(" "));
         // Errors are ignored here: one package that the release lacks must not stop the others, and missing tools are reported below.
         let _ = apt(&["update"]);
@@ -158,8 +148,8 @@ pub fn provide<'t>(workspace: &Workspace, wanted: impl IntoIterator<Item = &'t T
 }
 
 /// Installs missing tools, and fails if one is still missing.
-pub fn require(workspace: &Workspace, wanted: &[Tool]) -> Result<()> {
-    let missing = provide(workspace, wanted);
+pub fn require(wanted: &[Tool]) -> Result<()> {
+    let missing = provide(wanted);
     ensure!(missing.is_empty(), "{}", advice(&missing));
     Ok(())
 }
@@ -179,13 +169,13 @@ fn packages_of(tools: &[Tool]) -> Vec<&'static str> {
 }
 
 /// Installs packages of npm, `NAME@VERSION`, below a folder that has nothing else, if they are not there. Returns their folder.
-pub fn npm(workspace: &Workspace, directory: &Path, packages: &[&str]) -> Result<PathBuf> {
+pub fn npm(directory: &Path, packages: &[&str]) -> Result<PathBuf> {
     let modules = directory.join("node_modules");
     let name = |package: &str| package.split('@').next().unwrap_or_default().to_owned();
     if !packages.iter().all(|package| modules.join(name(package)).is_dir()) {
         empty_directory(directory)?;
         let install = ["install", "--loglevel=error", "--no-audit", "--no-fund", "--prefix"];
-        let installed = cmd!(workspace.shell, "npm {install...} {directory} {packages...}").run();
+        let installed = cmd!("npm {install...} {directory} {packages...}").run();
         installed.with_context(|| {
             let packages = packages.join(" ");
             LeftOut::Missing(format!("packages of npm cannot be had; to see why: npm install {packages}"))
@@ -195,19 +185,18 @@ pub fn npm(workspace: &Workspace, directory: &Path, packages: &[&str]) -> Result
 }
 
 /// Runs `apt-get` with these arguments, as root or by a sudo that needs no password. `None` if we may not.
-fn apt(workspace: &Workspace) -> Option<impl Fn(&[&str]) -> xshell::Result<()>> {
-    let sh = &workspace.shell;
-    if cfg!(not(target_os = "linux")) || cmd!(sh, "apt-get --version").quiet().ignore_stderr().read().is_err() {
+fn apt() -> Option<impl Fn(&[&str]) -> xshell::Result<()>> {
+    if cfg!(not(target_os = "linux")) || cmd!("apt-get --version").quiet().ignore_stderr().read().is_err() {
         return None;
     }
-    let root = cmd!(sh, "id -u").quiet().read().is_ok_and(|id| id.trim() == "0");
-    if !root && cmd!(sh, "sudo -n true").quiet().ignore_stderr().run().is_err() {
+    let root = said!("id -u").is_ok_and(|id| id.trim() == "0");
+    if !root && cmd!("sudo -n true").quiet().ignore_stderr().run().is_err() {
         return None;
     }
     let privilege: &[&str] = if root { &[] } else { &["sudo", "-n"] };
     let words = [privilege, &["env", "DEBIAN_FRONTEND=noninteractive", "apt-get", "-q", "-y"]].concat();
     Some(move |arguments: &[&str]| {
         let (program, rest) = (words[0], &words[1..]);
-        cmd!(sh, "{program} {rest...} {arguments...}").run()
+        cmd!("{program} {rest...} {arguments...}").run()
     })
 }

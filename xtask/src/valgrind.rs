@@ -1,13 +1,6 @@
 //! Runs the tests under valgrind, which must find no error and no leak.
 
-use std::path::PathBuf;
-
-use anyhow::{Result, ensure};
-
-use crate::files::{empty_directory, files, read};
-use crate::native::{self, Build};
-use crate::target::Target;
-use crate::workspace::{Workspace, side_by_side};
+use crate::prelude::*;
 
 /// Rooms of src that have unsafe code, and use no driver. src/lib.rs denies it to the others.
 const UNSAFE: &[&str] = &["base::", "deform::", "capi::"];
@@ -19,32 +12,32 @@ const IN_PART: &[&str] = &["--test=contacts", "--test=oracle_rules", "--test=pap
 /// every call to it. Others build sets very often, or differ by how they are linked.
 const SLOW: &str = "^(vulkan_(faults|times)_|(refusals|allocator_static)$)";
 
-pub fn c(workspace: &Workspace) -> Result<()> {
-    let run = Run::new(workspace, "c", "definite,possible")?;
-    let prefix = native::release_prefix(workspace)?;
+pub fn c() -> Result<()> {
+    let run = Run::new("c", "definite,possible")?;
+    let prefix = native::release_prefix()?;
     let build = Build {
         // Stage "sanitizers" checks the programs of users and plugins: their calls are among those of the tests.
         projects: native::TESTS,
         validation: false,
         launcher: run.command.join(";"),
-        drivers: native::one_driver(workspace)?,
+        drivers: native::one_driver()?,
         left_out: SLOW,
         ..Build::new("release", &prefix)
     };
-    run.judge(native::test_projects(workspace, &build))
+    run.judge(native::test_projects(&build))
 }
 
-pub fn rust(workspace: &Workspace) -> Result<()> {
+pub fn rust() -> Result<()> {
     // Rust's own test runner keeps pointers into the middle of blocks, which valgrind calls "possibly lost".
-    let run = Run::new(workspace, "rust", "definite")?;
-    let runner = Target::host(workspace)?.variable("RUNNER");
-    let tests = |programs: &[&str], names: &[&str]| {
-        let cargo = workspace.tests(programs).env(&runner, run.command.join(" ")).env("PROPTEST_CASES", "2");
+    let run = Run::new("rust", "definite")?;
+    let runner = Target::host()?.variable("RUNNER");
+    let under = |programs: &[&str], names: &[&str]| {
+        let cargo = tests(programs).env(&runner, run.command.join(" ")).env("PROPTEST_CASES", "2");
         (programs.join(" "), cargo.args(["--"]).args(names).into())
     };
-    workspace.tests(&["--lib"]).args(IN_PART).arg("--no-run").run()?;
+    tests(&["--lib"]).args(IN_PART).arg("--no-run").run()?;
     // Valgrind runs the threads of a program on one core.
-    run.judge(side_by_side(2, vec![tests(&["--lib"], UNSAFE), tests(IN_PART, &["quick_"])]))
+    run.judge(side_by_side(2, vec![under(&["--lib"], UNSAFE), under(IN_PART, &["quick_"])]))
 }
 
 /// A run of many programs, each with a log.
@@ -55,11 +48,11 @@ struct Run {
 
 impl Run {
     /// `leaks`: the kinds of leaks that fail a program.
-    fn new(workspace: &Workspace, name: &str, leaks: &str) -> Result<Self> {
-        let logs = workspace.target.join("valgrind").join(name);
+    fn new(name: &str, leaks: &str) -> Result<Self> {
+        let logs = in_target("valgrind").join(name);
         empty_directory(&logs)?;
         let log = format!("--log-file={}", logs.join("%p.log").display());
-        let known = format!("--suppressions={}", workspace.path("tests/c/valgrind.supp").display());
+        let known = format!("--suppressions={}", in_root("tests/c/valgrind.supp").display());
         let leaks = format!("--errors-for-leak-kinds={leaks}");
         let command = ["valgrind", "--error-exitcode=99", "--leak-check=full", &leaks, &known, &log];
         let command = command.map(str::to_owned).to_vec();

@@ -1,34 +1,26 @@
 //! Runs the Vulkan and wgpu tests under validation on Mesa's lavapipe and, with `--all`, on SwiftShader from Debian's Chromium.
 
-use std::fs;
-use std::path::PathBuf;
-
-use anyhow::{Context, Result};
-
-use crate::files::write;
-use crate::stage::all_passed;
-use crate::tools::{SWIFTSHADER, SWIFTSHADER_LIBRARY};
-use crate::workspace::Workspace;
+use crate::prelude::*;
 
 const MANIFESTS: &str = "/usr/share/vulkan/icd.d";
 
-pub fn run(workspace: &Workspace) -> Result<()> {
-    let drivers = drivers(workspace)?;
+pub fn run() -> Result<()> {
+    let drivers = drivers()?;
     let manifests = std::env::join_paths(&drivers)?;
     // The tests fail if one of these drivers or the validation layer is missing.
-    let required = match (drivers.len(), workspace.all) {
+    let required = match (drivers.len(), all()) {
         (2, true) => "llvmpipe,SwiftShader",
         (_, false) => "llvmpipe",
         _ => "0",
     };
     // The library's tests, and the lab's workloads at their smallest.
     let tests = |programs: &[&str]| -> Result<()> {
-        let tests = workspace.tests(programs).env("VK_DRIVER_FILES", &manifests);
+        let tests = tests(programs).env("VK_DRIVER_FILES", &manifests);
         // Mesa's device selection layer prints errors in a session without a display.
         let tests = tests.env("NODEVICE_SELECT", "1");
         Ok(tests.env("CRUMPLE_REQUIRE_GPU", required).run()?)
     };
-    if !workspace.all {
+    if !all() {
         return tests(&["--test", "vulkan"]);
     }
     all_passed(vec![
@@ -38,14 +30,14 @@ pub fn run(workspace: &Workspace) -> Result<()> {
 }
 
 /// Manifests of the software drivers. Everybody's tests run on lavapipe alone: SwiftShader's package is large.
-pub fn drivers(workspace: &Workspace) -> Result<Vec<PathBuf>> {
+pub fn drivers() -> Result<Vec<PathBuf>> {
     let mut drivers = vec![lavapipe()?];
-    if workspace.all && SWIFTSHADER.here(workspace) {
+    if all() && SWIFTSHADER.here() {
         // The package's manifest has a relative path, which the loader resolves against the current folder.
         let text = format!(
             r#"{{"file_format_version": "1.0.0", "ICD": {{"library_path": "{SWIFTSHADER_LIBRARY}", "api_version": "1.1.0"}}}}"#
         );
-        let manifest = workspace.target.join("vk_swiftshader_icd.json");
+        let manifest = in_target("vk_swiftshader_icd.json");
         write(&manifest, text)?;
         drivers.push(manifest);
     }

@@ -1,19 +1,6 @@
 //! The npm package for browsers and Node: the library as WebAssembly, its interface in JavaScript, and a page that crashes a car.
 
-use std::path::{Path, PathBuf};
-
-use anyhow::{Context, Result};
-use clap::Args;
-use xshell::cmd;
-
-use crate::car::{self, CRASH};
-use crate::command;
-use crate::files::{copy, copy_tree, empty_directory};
-use crate::install::Profile;
-use crate::package::licenses;
-use crate::target::{self, Target};
-use crate::tools::{self, LLVM, NPM, WEB_RUST};
-use crate::workspace::Workspace;
+use crate::prelude::*;
 
 const PACKAGE: &str = "bindings/web";
 /// The parts of the package's folder that users get.
@@ -34,10 +21,10 @@ pub struct Options {
 }
 
 /// `cargo xtask web`: the package in DIR/crumple, and the page around it.
-pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
-    tools::require(workspace, &[WEB_RUST, LLVM, NPM])?;
-    let out = workspace.path(&options.out);
-    lay_out(workspace, &node(workspace, &[THREE])?, &out)?;
+pub fn run(options: &Options) -> Result<()> {
+    tools::require(&[WEB_RUST, LLVM, NPM])?;
+    let out = in_root(&options.out);
+    lay_out(&node(&[THREE])?, &out)?;
     println!(
         "{0}/crumple is the package. Serve {0} and open it: python3 -m http.server --directory {0}",
         out.display()
@@ -46,50 +33,50 @@ pub fn run(workspace: &Workspace, options: &Options) -> Result<()> {
 }
 
 /// The module gives the native library's bits under Node, and the page works in Chromium.
-pub fn stage(workspace: &Workspace) -> Result<()> {
-    let modules = node(workspace, &[THREE, DRIVER])?;
-    let folder = workspace.target.join("web/page");
-    lay_out(workspace, &modules, &folder)?;
-    let (sh, set) = (&workspace.shell, folder.join("car.crumple"));
-    let dented = workspace.target.join("web/dented.glb");
-    let program = command::tested(workspace)?;
-    cmd!(sh, "{program} apply {set} --impacts {CRASH} -o {dented}").quiet().ignore_stdout().run()?;
-    let (page, module) = (workspace.path(PACKAGE).join("test/page.mjs"), folder.join("crumple/crumple.wasm"));
-    cmd!(sh, "node {PACKAGE}/test/node.mjs {module} {set} {CRASH} {dented}").run()?;
-    let _there = sh.push_dir(modules.parent().context("the modules are in a folder")?);
-    let picture = workspace.target.join("web/page.png");
-    cmd!(sh, "node {page} {folder} /usr/bin/chromium {picture}").run()?;
+pub fn stage() -> Result<()> {
+    let modules = node(&[THREE, DRIVER])?;
+    let folder = in_target("web/page");
+    lay_out(&modules, &folder)?;
+    let set = folder.join("car.crumple");
+    let dented = in_target("web/dented.glb");
+    let program = command::tested()?;
+    silent!("{program} apply {set} --impacts {CRASH} -o {dented}")?;
+    let (page, module) = (in_root(PACKAGE).join("test/page.mjs"), folder.join("crumple/crumple.wasm"));
+    cmd!("node {PACKAGE}/test/node.mjs {module} {set} {CRASH} {dented}").run()?;
+    let _there = sh().push_dir(modules.parent().context("the modules are in a folder")?);
+    let picture = in_target("web/page.png");
+    cmd!("node {page} {folder} /usr/bin/chromium {picture}").run()?;
     Ok(())
 }
 
 /// The folder of Node's modules, with these packages.
-fn node(workspace: &Workspace, packages: &[&str]) -> Result<PathBuf> {
-    tools::npm(workspace, &workspace.target.join("web/node"), packages)
+fn node(packages: &[&str]) -> Result<PathBuf> {
+    tools::npm(&in_target("web/node"), packages)
 }
 
-fn manifest(workspace: &Workspace) -> PathBuf {
-    workspace.path(PACKAGE).join("Cargo.toml")
+fn manifest() -> PathBuf {
+    in_root(PACKAGE).join("Cargo.toml")
 }
 
 /// Builds the module.
-pub fn build(workspace: &Workspace) -> Result<()> {
-    let cargo = Target::other(target::WEB).cargo(workspace, &["build", "--release", "--locked"])?;
-    Ok(cargo.arg("--manifest-path").arg(manifest(workspace)).run()?)
+pub fn build() -> Result<()> {
+    let cargo = Target::other(WEB).cargo(&["build", "--release", "--locked"])?;
+    Ok(cargo.arg("--manifest-path").arg(manifest()).run()?)
 }
 
-fn lay_out(workspace: &Workspace, modules: &Path, out: &Path) -> Result<()> {
+fn lay_out(modules: &Path, out: &Path) -> Result<()> {
     empty_directory(out)?;
     let package = out.join("crumple");
-    workspace.copy_sources(PACKAGE, INTERFACE, &package)?;
-    workspace.copy_licenses(&package)?;
-    build(workspace)?;
-    let (web, manifest) = (Target::other(target::WEB), manifest(workspace));
-    let module = web.directory(workspace, Profile::Release.directory()).join("crumple_web.wasm");
+    copy_sources(PACKAGE, INTERFACE, &package)?;
+    copy_licenses(&package)?;
+    build()?;
+    let (web, manifest) = (Target::other(WEB), manifest());
+    let module = web.directory(Profile::Release.directory()).join("crumple_web.wasm");
     copy(&module, &package.join("crumple.wasm"))?;
-    licenses::write_all(workspace, &licenses::linked_of(workspace, &manifest, &[web])?, &package)?;
-    copy_tree(&workspace.path(PACKAGE).join("demo"), out)?;
+    licenses::write_all(&licenses::linked_of(&manifest, &[web])?, &package)?;
+    copy_tree(&in_root(PACKAGE).join("demo"), out)?;
     for file in DRAWN_WITH.split(' ') {
         copy(&modules.join("three").join(file), &out.join("three").join(file))?;
     }
-    car::lay_out(workspace, out, &[])
+    car::lay_out(out, &[])
 }

@@ -1,16 +1,8 @@
 //! Wine, which runs programs for Windows. It has a folder of its own below the target directory, and a display without a
 //! screen. Its server and the display end with the stage.
 
+use crate::prelude::*;
 use std::io::{BufRead, BufReader};
-use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
-
-use anyhow::{Context, Result};
-use xshell::{PushEnv, cmd};
-
-use crate::files::empty_directory;
-use crate::target::{Target, WINDOWS};
-use crate::workspace::{Background, Workspace};
 
 /// Where distributions put it. Debian has it outside of PATH.
 pub const PROGRAMS: &[&str] = &["/usr/lib/wine/wine64", "/usr/bin/wine64", "/usr/bin/wine"];
@@ -18,54 +10,53 @@ const SERVERS: &[&str] = &["/usr/lib/wine/wineserver64", "/usr/bin/wineserver64"
 /// What Wine lacks.
 const SUPPLIED: &str = "xtask/platforms/bcryptprimitives.c";
 
-pub struct Wine<'a> {
+pub struct Wine {
     pub program: &'static str,
-    workspace: &'a Workspace,
     server: &'static str,
     supplied: PathBuf,
     _display: Display,
-    _environment: [PushEnv<'a>; 3],
+    _environment: [PushEnv<'static>; 3],
 }
 
-impl<'a> Wine<'a> {
-    pub fn start(workspace: &'a Workspace) -> Result<Self> {
+impl Wine {
+    pub fn start() -> Result<Self> {
         let first = |paths: &[&'static str]| paths.iter().copied().find(|path| Path::new(path).exists());
         let program = first(PROGRAMS).context("Wine is not installed")?;
         let server = first(SERVERS).context("Wine has no wineserver")?;
-        let (sh, folder) = (&workspace.shell, workspace.target.join("wine"));
+        let folder = in_target("wine");
         let supplied = folder.join("supplied");
         empty_directory(&folder)?;
         empty_directory(&supplied)?;
         empty_directory(&folder.join("prefix"))?;
-        let (gcc, source) = (Target::other(WINDOWS).gnu("gcc"), workspace.path(SUPPLIED));
+        let (gcc, source) = (Target::other(WINDOWS).gnu("gcc"), in_root(SUPPLIED));
         let library = supplied.join("bcryptprimitives.dll");
-        cmd!(sh, "{gcc} -shared {source} -o {library} -ladvapi32").quiet().run()?;
+        run!("{gcc} -shared {source} -o {library} -ladvapi32")?;
         let display = Display::start()?;
         let environment = [
-            sh.push_env("WINEPREFIX", folder.join("prefix")),
-            sh.push_env("WINEDEBUG", "-all"),
-            sh.push_env("DISPLAY", &display.name),
+            sh().push_env("WINEPREFIX", folder.join("prefix")),
+            sh().push_env("WINEDEBUG", "-all"),
+            sh().push_env("DISPLAY", &display.name),
         ];
-        let wine = Self { program, workspace, server, supplied, _display: display, _environment: environment };
+        let wine = Self { program, server, supplied, _display: display, _environment: environment };
         // Otherwise a test would start the server, which keeps the pipe of the test's output open after its end.
-        cmd!(sh, "{server} --persistent").quiet().run()?;
+        run!("{server} --persistent")?;
         // Without the windows that offer to install Mono and Gecko.
-        cmd!(sh, "{program} wineboot --init").env("WINEDLLOVERRIDES", "mscoree,mshtml=").quiet().run()?;
+        cmd!("{program} wineboot --init").env("WINEDLLOVERRIDES", "mscoree,mshtml=").quiet().run()?;
         Ok(wine)
     }
 
     /// Programs find the libraries of these folders while the result lives.
-    pub fn libraries(&self, folders: &[&Path]) -> PushEnv<'a> {
+    pub fn libraries(&self, folders: &[&Path]) -> PushEnv<'static> {
         let folders = folders.iter().copied().chain([&*self.supplied]);
         let path: Vec<String> = folders.map(|folder| format!("Z:{}", folder.display())).collect();
-        self.workspace.shell.push_env("WINEPATH", path.join(";"))
+        sh().push_env("WINEPATH", path.join(";"))
     }
 }
 
-impl Drop for Wine<'_> {
+impl Drop for Wine {
     fn drop(&mut self) {
         let server = self.server;
-        let _ = cmd!(self.workspace.shell, "{server} --kill").quiet().ignore_stderr().run();
+        let _ = cmd!("{server} --kill").quiet().ignore_stderr().run();
     }
 }
 

@@ -1,10 +1,8 @@
 //! The Python declarations of everything in the headers of `include`, for the standard library's `ctypes`.
 
+use super::{Form, Item, Type, Variable, declared, number, prefix};
+use crate::prelude::*;
 use std::fmt::Write;
-
-use anyhow::{Context, Result, bail};
-
-use super::{Form, Item, Type, Variable, Variant, number, prefix};
 
 const HEAD: &str = "\
 # Generated from the headers in include by `cargo xtask header`; do not edit it. They document what is declared here.
@@ -25,83 +23,65 @@ def declare(library: Any) -> None:
 
 /// The module `crumple._native`.
 pub fn module(items: &[Item]) -> Result<String> {
-    let writer = Writer { items };
     let mut text = HEAD.to_owned();
     for Item { name, form, .. } in items {
         if let Form::Define(value) = form {
-            let value = value.replace("CRUMPLE_", "");
-            writeln!(text, "{} = {value}", name.trim_start_matches("CRUMPLE_"))?;
+            writeln!(text, "{} = {}", name.trim_start_matches("CRUMPLE_"), value.replace("CRUMPLE_", ""))?;
         }
     }
-    for item in items {
-        match &item.form {
-            Form::Enum(variants) => enumeration(&mut text, item, variants)?,
-            Form::Struct(fields) => writer.structure(&mut text, &item.name, fields)?,
-            Form::Callback(result, parameters) => {
-                let list = writer.list(std::iter::once(result).chain(parameters.iter().map(|one| &one.kind)))?;
-                writeln!(text, "\n\n{} = c.CFUNCTYPE({list})", item.name)?;
+    let mut functions = String::new();
+    for Item { name, form, docs, .. } in items {
+        match form {
+            // Without the words that all its names begin with.
+            Form::Enum(variants) => {
+                let (docs, prefix) = (docs.join("\n    "), prefix(name, variants)?);
+                writeln!(text, "\n\nclass {name}(IntEnum):\n    \"\"\"{docs}\"\"\"\n")?;
+                variants
+                    .iter()
+                    .try_for_each(|(name, value)| writeln!(text, "    {} = {value}", &name[prefix.len()..]))?;
             }
-            Form::Define(..) | Form::Opaque | Form::Function(..) => {}
+            Form::Struct(fields) => {
+                writeln!(text, "\n\nclass {name}(c.Structure):\n    _fields_ = [")?;
+                for Variable { name, kind: field } in fields {
+                    let (one, many) = (kind(items, field)?, field.array.map(|length| format!(" * {length}")));
+                    writeln!(text, "        ({name:?}, {one}{}),", many.unwrap_or_default())?;
+                }
+                text += "    ]\n";
+            }
+            Form::Callback(result, parameters) => {
+                let (result, list) = (kind(items, result)?, list(items, parameters)?);
+                writeln!(
+                    text,
+                    "\n\n{name} = c.CFUNCTYPE({})",
+                    [result].into_iter().chain(list).collect::<Vec<_>>().join(", ")
+                )?;
+            }
+            Form::Function(result, parameters) => {
+                let list = list(items, parameters).with_context(|| name.clone())?.join(", ");
+                writeln!(functions, "    {name:?}: ({}, [{list}]),", kind(items, result)?)?;
+            }
+            Form::Define(..) | Form::Opaque => {}
         }
     }
-    text.push_str("\n\nFUNCTIONS: dict[str, tuple[Any, list[Any]]] = {\n");
-    for Item { name, form, .. } in items {
-        let Form::Function(result, parameters) = form else { continue };
-        let result = writer.kind(result).with_context(|| name.clone())?;
-        let list = writer.list(parameters.iter().map(|one| &one.kind)).with_context(|| name.clone())?;
-        writeln!(text, "    {name:?}: ({result}, [{list}]),")?;
-    }
-    text.push_str("}\n");
-    Ok(text + TAIL)
+    Ok(format!("{text}\n\nFUNCTIONS: dict[str, tuple[Any, list[Any]]] = {{\n{functions}}}\n{TAIL}"))
 }
 
-/// An enum without the words that all its names begin with.
-fn enumeration(text: &mut String, item: &Item, variants: &[Variant]) -> Result<()> {
-    let prefix = prefix(&item.name, variants);
-    writeln!(text, "\n\nclass {}(IntEnum):", item.name)?;
-    writeln!(text, "    \"\"\"{}\"\"\"\n", item.docs.join("\n    "))?;
-    for (name, value) in variants {
-        writeln!(text, "    {} = {value}", &name[prefix.len()..])?;
-    }
-    Ok(())
+fn list(items: &[Item], parameters: &[Variable]) -> Result<Vec<String>> {
+    parameters.iter().map(|one| kind(items, &one.kind)).collect()
 }
 
-struct Writer<'a> {
-    items: &'a [Item],
-}
-
-impl Writer<'_> {
-    fn structure(&self, text: &mut String, name: &str, fields: &[Variable]) -> Result<()> {
-        writeln!(text, "\n\nclass {name}(c.Structure):\n    _fields_ = [")?;
-        for Variable { name, kind } in fields {
-            let one = self.kind(kind).with_context(|| name.clone())?;
-            let one = kind.array.map_or(one.clone(), |length| format!("{one} * {length}"));
-            writeln!(text, "        ({name:?}, {one}),")?;
-        }
-        text.push_str("    ]\n");
-        Ok(())
-    }
-
-    fn list<'t>(&self, kinds: impl Iterator<Item = &'t Type>) -> Result<String> {
-        Ok(kinds.map(|kind| self.kind(kind)).collect::<Result<Vec<_>>>()?.join(", "))
-    }
-
-    /// What a C type is for `ctypes`. A pointer to nothing that is declared is an address.
-    fn kind(&self, kind: &Type) -> Result<String> {
-        let form = self.items.iter().find(|item| item.name == kind.base).map(|item| &item.form);
-        let (known, pointers) = match (kind.base.as_str(), kind.pointers) {
-            ("void", 0) => ("None", 0),
-            ("void", stars) => ("c.c_void_p", stars - 1),
-            ("char", stars @ 1..) => ("c.c_char_p", stars - 1),
-            ("bool", stars) => ("c.c_bool", stars),
-            (name, stars) => match form {
-                None => (number(name)?.1, stars),
-                Some(Form::Enum(..)) => ("c.c_uint32", stars),
-                Some(Form::Struct(..) | Form::Callback(..)) => (name, stars),
-                Some(Form::Opaque) if stars > 0 => ("c.c_void_p", stars - 1),
-                _ => bail!("{name:?} is a type that is not declared"),
-            },
-        };
-        Ok((0..pointers).fold(known.to_owned(), |inner, _| format!("c.POINTER({inner})")))
-    }
+/// What a C type is for `ctypes`. A pointer to nothing that is declared is an address.
+fn kind(items: &[Item], kind: &Type) -> Result<String> {
+    let (known, inner) = match (kind.base.as_str(), declared(items, &kind.base)) {
+        ("void", _) if kind.pointers == 0 => ("None".into(), 0),
+        ("void", _) => ("c.c_void_p".into(), 1),
+        ("char", _) if kind.pointers > 0 => ("c.c_char_p".into(), 1),
+        ("bool", _) => ("c.c_bool".into(), 0),
+        (name, None) => (number(name)?.1, 0),
+        (_, Some(Form::Enum(..))) => ("c.c_uint32".into(), 0),
+        (name, Some(Form::Struct(..) | Form::Callback(..))) => (name.to_owned(), 0),
+        (_, Some(Form::Opaque)) if kind.pointers > 0 => ("c.c_void_p".into(), 1),
+        (name, _) => bail!("{name:?} is a type that is not declared"),
+    };
+    Ok((inner..kind.pointers).fold(known, |known, _| format!("c.POINTER({known})")))
 }

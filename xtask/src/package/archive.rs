@@ -1,12 +1,6 @@
 //! Packs a folder by git, which keeps of files what an archive should: their contents, their order, and whether they are programs.
 
-use std::path::{Path, PathBuf};
-
-use anyhow::Result;
-use xshell::{Shell, cmd};
-
-use crate::files::name;
-use crate::target::Target;
+use crate::prelude::*;
 
 /// Packs `folder` under its own name into `out/NAME.tar.gz`, or `.zip` on Windows. The bytes depend on the contents and the time alone.
 pub fn pack(folder: &Path, out: &Path, time: u64, target: &Target) -> Result<PathBuf> {
@@ -17,27 +11,27 @@ pub fn pack(folder: &Path, out: &Path, time: u64, target: &Target) -> Result<Pat
 
 /// Packs `folder` under its own name into a `.zip` or a `.tar.gz`. Every entry has this time, s since 1970.
 pub fn write(folder: &Path, path: &Path, time: u64) -> Result<()> {
-    let (scratch, prefix) = (tempfile::tempdir()?, format!("--prefix={}/", name(folder)?));
-    let (sh, store, out) =
-        (Shell::new()?, scratch.path(), format!("--output={}", std::path::absolute(path)?.display()));
-    sh.change_dir(folder);
-    for (name, value) in [("GIT_DIR", store), ("GIT_WORK_TREE", folder), ("GIT_CONFIG_GLOBAL", Path::new("/dev/null"))]
-    {
-        sh.set_var(name, value);
-    }
-    for (name, value) in [("TZ", "UTC"), ("GIT_CONFIG_NOSYSTEM", "1")] {
-        sh.set_var(name, value);
-    }
-    for who in ["AUTHOR", "COMMITTER"] {
-        sh.set_var(format!("GIT_{who}_NAME"), "nobody");
-        sh.set_var(format!("GIT_{who}_EMAIL"), "");
-        sh.set_var(format!("GIT_{who}_DATE"), format!("@{time} +0000"));
-    }
-    cmd!(sh, "git init --quiet").quiet().run()?;
-    cmd!(sh, "git add --all --force .").quiet().run()?;
-    let tree = cmd!(sh, "git write-tree").quiet().read()?;
-    let commit = cmd!(sh, "git commit-tree {tree} -m packed").quiet().read()?;
-    Ok(cmd!(sh, "git -c tar.umask=022 archive {prefix} {out} {commit}").quiet().run()?)
+    let (store, prefix) = (tempfile::tempdir()?, format!("--prefix={}/", name(folder)?));
+    let (out, date) = (format!("--output={}", std::path::absolute(path)?.display()), format!("@{time} +0000"));
+    let _there = sh().push_dir(folder);
+    let environment = [
+        ("GIT_CONFIG_GLOBAL", "/dev/null"),
+        ("GIT_CONFIG_NOSYSTEM", "1"),
+        ("TZ", "UTC"),
+        ("GIT_AUTHOR_NAME", "nobody"),
+        ("GIT_AUTHOR_EMAIL", ""),
+        ("GIT_AUTHOR_DATE", &date),
+        ("GIT_COMMITTER_NAME", "nobody"),
+        ("GIT_COMMITTER_EMAIL", ""),
+        ("GIT_COMMITTER_DATE", &date),
+    ];
+    let _environment = environment.map(|(name, value)| sh().push_env(name, value));
+    let _place = [sh().push_env("GIT_DIR", store.path()), sh().push_env("GIT_WORK_TREE", folder)];
+    run!("git init --quiet")?;
+    run!("git add --all --force .")?;
+    let tree = said!("git write-tree")?;
+    let commit = said!("git commit-tree {tree} -m packed")?;
+    run!("git -c tar.umask=022 archive {prefix} {out} {commit}")
 }
 
 #[cfg(test)]

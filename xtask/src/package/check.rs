@@ -1,88 +1,75 @@
 //! Checks an archive as a user has it: unpacked in an empty folder. Its files match its manifest, and its examples build and run,
 //! shared and static, by CMake and by pkg-config.
 
-use std::fs;
-use std::path::{Path, PathBuf};
-
-use anyhow::{Context, Result, ensure};
-use serde_json::Value;
-use xshell::{PushEnv, cmd};
-
 use super::{Parts, manifest, pack, tested};
-use crate::abi;
-use crate::files::{copy_tree, read};
-use crate::install::{self, Built};
-use crate::native::{self, Build};
-use crate::target::launch;
-use crate::wine::Wine;
-use crate::workspace::Workspace;
+use crate::prelude::*;
 
 /// A project of a user, beside the archive's examples.
 pub const CLIENT: &str = "xtask/package/client";
 
 /// Packs and checks the full flavour with the release library and the tests' command, which other stages build too.
-pub fn stage(workspace: &Workspace) -> Result<()> {
-    let (parts, out) = (tested(workspace)?, tempfile::tempdir()?);
-    check(workspace, &parts, &pack(workspace, &parts, out.path())?)
+pub fn stage() -> Result<()> {
+    let (parts, out) = (tested()?, tempfile::tempdir()?);
+    check(&parts, &pack(&parts, out.path())?)
 }
 
 /// Packs and checks the full flavour for Windows with a library and a command that other tests use too.
-pub fn windows(workspace: &Workspace, wine: &Wine<'_>, library: Built, command: PathBuf) -> Result<()> {
+pub fn windows(wine: &Wine, library: Built, command: PathBuf) -> Result<()> {
     let (parts, out) = (Parts::tested(library, command), tempfile::tempdir()?);
-    under_wine(workspace, &parts, &pack(workspace, &parts, out.path())?, wine)
+    under_wine(&parts, &pack(&parts, out.path())?, wine)
 }
 
-pub fn check(workspace: &Workspace, parts: &Parts, archive: &Path) -> Result<()> {
+pub fn check(parts: &Parts, archive: &Path) -> Result<()> {
     if cfg!(windows) {
         println!("an archive for Windows is not unpacked and tried here");
         return Ok(());
     }
     let scratch = tempfile::tempdir()?;
     let root = scratch.path();
-    let folder = unpack(workspace, parts, archive, root)?;
+    let folder = unpack(parts, archive, root)?;
     if parts.library.target.is_linux() {
         let shared = install::shared(&parts.library.target, &folder);
-        install::loads_well(workspace, &parts.library.target, &shared)?;
+        install::loads_well(&parts.library.target, &shared)?;
     }
-    command(workspace, parts, &folder, &[])?;
+    command(parts, &folder, &[])?;
     println!("by the first page:");
-    first_page(workspace, parts, &folder)?;
+    first_page(parts, &folder)?;
     println!("by CMake:");
-    by_cmake(workspace, root, &folder)?;
-    client(workspace, parts, root, &folder, &[])?;
+    by_cmake(root, &folder)?;
+    client(parts, root, &folder, &[])?;
     println!("by pkg-config:");
-    by_pkg_config(workspace, parts, root, &folder)?;
+    by_pkg_config(parts, root, &folder)?;
     println!("{} is what it says, and its examples run", archive.display());
     Ok(())
 }
 
 /// Builds the user's project with MinGW against an archive for Windows, and runs it and the command under Wine. Stage
 /// "windows" runs the examples.
-pub fn under_wine(workspace: &Workspace, parts: &Parts, archive: &Path, wine: &Wine<'_>) -> Result<()> {
-    let (scratch, sh, target) = (tempfile::tempdir()?, &workspace.shell, &parts.library.target);
+pub fn under_wine(parts: &Parts, archive: &Path, wine: &Wine) -> Result<()> {
+    let (scratch, target) = (tempfile::tempdir()?, &parts.library.target);
     let (root, runner) = (scratch.path(), &[wine.program]);
-    let folder = unpack(workspace, parts, archive, root)?;
+    let folder = unpack(parts, archive, root)?;
     for library in [install::shared(target, &folder), folder.join("bindings/unity/Plugins/x86_64/crumple_unity.dll")] {
         install::needs_windows_alone(&library)?;
     }
     let _found = wine.libraries(&[&folder.join("bin")]);
-    command(workspace, parts, &folder, runner)?;
-    client(workspace, parts, root, &folder, runner)?;
-    let _only = pkg_config_finds(workspace, &folder);
-    let (flags, program) = (ask(workspace, &["--cflags", "--libs"])?, root.join("quickstart.exe"));
+    command(parts, &folder, runner)?;
+    client(parts, root, &folder, runner)?;
+    let _only = pkg_config_finds(&folder);
+    let (flags, program) = (ask(&["--cflags", "--libs"])?, root.join("quickstart.exe"));
     let (compiler, file) = (target.gnu("gcc"), folder.join("examples-c/quickstart.c"));
-    cmd!(sh, "{compiler} {file} -o {program} {flags...}").quiet().run()?;
-    launch(sh, runner, &program).run().context("quickstart.exe under Wine")?;
+    run!("{compiler} {file} -o {program} {flags...}")?;
+    launch(runner, &program).run().context("quickstart.exe under Wine")?;
     println!("{} is what it says, and programs run with it", archive.display());
     Ok(())
 }
 
 /// Unpacks an archive, compares it with its manifest, and returns its folder.
-fn unpack(workspace: &Workspace, parts: &Parts, archive: &Path, root: &Path) -> Result<PathBuf> {
-    let (sh, target) = (workspace.shell.clone(), &parts.library.target);
-    sh.change_dir(root);
-    cmd!(sh, "cmake -E tar xf {archive}").quiet().run()?;
-    let folder = root.join(parts.name(workspace));
+fn unpack(parts: &Parts, archive: &Path, root: &Path) -> Result<PathBuf> {
+    let target = &parts.library.target;
+    let _there = sh().push_dir(root);
+    run!("cmake -E tar xf {archive}")?;
+    let folder = root.join(parts.name());
     ensure!(fs::read_dir(root)?.count() == 1 && folder.is_dir(), "{} holds another folder", archive.display());
     let manifest: Value = serde_json::from_str(&read(&folder.join(manifest::FILE))?).context("reading the manifest")?;
     let files = manifest::entries(&folder)?;
@@ -92,79 +79,73 @@ fn unpack(workspace: &Workspace, parts: &Parts, archive: &Path, root: &Path) -> 
 }
 
 /// `runner` runs the command, if it is for another system.
-fn command(workspace: &Workspace, parts: &Parts, folder: &Path, runner: &[&str]) -> Result<()> {
+fn command(parts: &Parts, folder: &Path, runner: &[&str]) -> Result<()> {
     let program = folder.join("bin").join(parts.library.target.program("crumple"));
     ensure!(program.exists() == parts.flavour.command, "the {} flavour and its command do not fit", parts.flavour.name);
     if program.exists() {
         let hood = folder.join("assets/demo/hood.glb");
-        let said = launch(&workspace.shell, runner, &program).arg("info").arg(hood).read()?;
+        let said = launch(runner, &program).arg("info").arg(hood).read()?;
         ensure!(said.contains("24616 vertices"), "crumple info says: {said}");
     }
     Ok(())
 }
 
 /// Runs the commands that the first page shows, which build the examples with the shared library.
-fn first_page(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
+fn first_page(parts: &Parts, folder: &Path) -> Result<()> {
     let page = read(&folder.join("README.md"))?;
-    let sh = workspace.shell.clone();
-    sh.change_dir(folder);
+    let _there = sh().push_dir(folder);
     let blocks: Vec<&str> = page.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
     ensure!(blocks.len() >= 2, "the first page has {} blocks of commands", blocks.len());
     let slow = |block: &&str| !parts.handed_out && block.starts_with("bin/crumple");
     for block in blocks.into_iter().filter(|block| !slow(block)) {
         println!("{}", block.trim_end());
-        cmd!(sh, "sh -e -c {block}").quiet().ignore_stdout().run().context("typing what README.md says")?;
+        silent!("sh -e -c {block}").context("typing what README.md says")?;
     }
     ensure!(folder.join("build/quickstart").exists(), "the first page builds no quickstart");
     Ok(())
 }
 
 /// Builds the archive's examples with the static library. Those that need more than a compiler are left out.
-fn by_cmake(workspace: &Workspace, root: &Path, folder: &Path) -> Result<()> {
-    let sh = &workspace.shell;
+fn by_cmake(root: &Path, folder: &Path) -> Result<()> {
     let (examples, build) = (folder.join("examples-c"), root.join("static"));
     let plain = ["-DCMAKE_DISABLE_FIND_PACKAGE_Vulkan=ON", "-DCMAKE_DISABLE_FIND_PACKAGE_PkgConfig=ON"];
-    cmd!(sh, "cmake -S {examples} -B {build} -DCMAKE_PREFIX_PATH={folder} -DCRUMPLE_STATIC=ON {plain...}")
-        .quiet()
-        .ignore_stdout()
-        .run()?;
-    cmd!(sh, "cmake --build {build} --parallel 2").ignore_stdout().run()?;
-    cmd!(sh, "ctest --test-dir {build} --parallel 2 --output-on-failure --no-tests=error").run()?;
+    silent!("cmake -S {examples} -B {build} -DCMAKE_PREFIX_PATH={folder} -DCRUMPLE_STATIC=ON {plain...}")?;
+    cmd!("cmake --build {build} --parallel 2").ignore_stdout().run()?;
+    cmd!("ctest --test-dir {build} --parallel 2 --output-on-failure --no-tests=error").run()?;
     Ok(())
 }
 
 /// Builds and runs the user's project.
-fn client(workspace: &Workspace, parts: &Parts, root: &Path, folder: &Path, runner: &[&str]) -> Result<()> {
+fn client(parts: &Parts, root: &Path, folder: &Path, runner: &[&str]) -> Result<()> {
     let (source, built, target) = (root.join("client"), root.join("client-build"), &parts.library.target);
-    copy_tree(&workspace.path(CLIENT), &source)?;
-    let options = native::cross_options(workspace, target)?;
+    copy_tree(CLIENT, &source)?;
+    let options = native::cross_options(target)?;
     let build = Build { options, cross: target.cross, ..Build::new("client", folder) };
-    native::compile(workspace, &build, &source, &built)?;
+    native::compile(&build, &source, &built)?;
     for name in ["client-shared", "client-static"] {
         let program = built.join(target.program(name));
-        launch(&workspace.shell, runner, &program).run().with_context(|| format!("{name}, built by CMake"))?;
+        launch(runner, &program).run().with_context(|| format!("{name}, built by CMake"))?;
     }
     Ok(())
 }
 
 /// pkg-config finds nothing but the archive while the result lives.
-fn pkg_config_finds<'a>(workspace: &'a Workspace, folder: &Path) -> [PushEnv<'a>; 2] {
-    let sh = &workspace.shell;
-    [sh.push_env("PKG_CONFIG_LIBDIR", folder.join("lib/pkgconfig")), sh.push_env("PKG_CONFIG_PATH", "")]
+fn pkg_config_finds<'a>(folder: &Path) -> [PushEnv<'static>; 2] {
+    [sh().push_env("PKG_CONFIG_LIBDIR", folder.join("lib/pkgconfig")), sh().push_env("PKG_CONFIG_PATH", "")]
 }
 
 /// The words that pkg-config says about the library.
-fn ask(workspace: &Workspace, arguments: &[&str]) -> Result<Vec<String>> {
-    let said = cmd!(workspace.shell, "pkg-config {arguments...} crumple").quiet().read()?;
+fn ask(arguments: &[&str]) -> Result<Vec<String>> {
+    let said = said!("pkg-config {arguments...} crumple")?;
     Ok(said.split_whitespace().map(str::to_owned).collect())
 }
 
-fn by_pkg_config(workspace: &Workspace, parts: &Parts, root: &Path, folder: &Path) -> Result<()> {
-    let (sh, library) = (&workspace.shell, parts.flavour.library);
-    let _found = pkg_config_finds(workspace, folder);
-    let ask = |arguments: &[&str]| ask(workspace, arguments);
+fn by_pkg_config(parts: &Parts, root: &Path, folder: &Path) -> Result<()> {
+    let library = parts.flavour.library;
+    let _found = pkg_config_finds(folder);
+    let ask = |arguments: &[&str]| ask(arguments);
     let version = ask(&["--modversion"])?.concat();
-    ensure!(version == workspace.version, "pkg-config says version {version}");
+    ensure!(version == VERSION, "pkg-config says version {version}");
     let features = ask(&["--variable=features"])?;
     ensure!(features == library, "pkg-config says the library was built with {features:?}");
 
@@ -174,8 +155,8 @@ fn by_pkg_config(workspace: &Workspace, parts: &Parts, root: &Path, folder: &Pat
         let (program, compile, archive) =
             (root.join("fixed"), ask(&["--cflags"])?, ask(&["--variable=staticlibrary"])?);
         let libraries = ask(&["--libs", "--static"])?.into_iter().filter(|flag| flag != "-lcrumple");
-        cmd!(sh, "{compiler} {file} -o {program} {compile...} {archive...} {libraries...} -lm").quiet().run()?;
-        cmd!(sh, "{program}").quiet().run()?;
+        run!("{compiler} {file} -o {program} {compile...} {archive...} {libraries...} -lm")?;
+        run!("{program}")?;
     }
     Ok(())
 }

@@ -1,19 +1,8 @@
 //! The contents of an archive, and the places where engines look for the library in it.
 
-use std::fs;
-use std::path::Path;
-
-use anyhow::{Context, Result, ensure};
-use xshell::cmd;
-
 use super::licenses::{FILE as LICENSES, STANDARD_LIBRARY};
 use super::{Parts, markdown};
-use crate::declarations::{HEADERS, INCLUDE};
-use crate::files::{copy, copy_into, files_of, read, write};
-use crate::native::{self, Build};
-use crate::tools::VULKAN_HEADERS;
-use crate::workspace::Workspace;
-use crate::{abi, reference};
+use crate::prelude::*;
 
 /// Files and folders of the repository that archives hold under the same names.
 const COPIED: &str = "CHANGELOG.md LICENSE-APACHE LICENSE-MIT assets/car/car_dents.glb assets/demo bindings/unity bindings/unreal \
@@ -47,22 +36,22 @@ const ENGINES: &[(&str, &str, &str, &str)] = &[
 ];
 
 /// Adds everything else to `folder`, which holds libraries, headers and licenses.
-pub fn copy_all(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
+pub fn copy_all(parts: &Parts, folder: &Path) -> Result<()> {
     // The installer puts licenses into share, for prefixes that many packages share.
     fs::remove_dir_all(folder.join("share")).context("the installer leaves licenses")?;
     let list = ["ls-files", "--error-unmatch", "--"].into_iter().chain(COPIED.split(' '));
-    let listed = workspace.git(&list.collect::<Vec<_>>())?;
+    let listed = git(&list.collect::<Vec<_>>())?;
     for name in listed.lines().filter(|name| !LEFT_OUT.iter().any(|out| name.starts_with(out))) {
-        copy(&workspace.path(name), &folder.join(name))?;
+        copy(name, &folder.join(name))?;
     }
-    copy(&workspace.path(OVERVIEW.0), &folder.join(OVERVIEW.1))?;
-    readme(workspace, parts, folder)?;
+    copy(OVERVIEW.0, &folder.join(OVERVIEW.1))?;
+    readme(parts, folder)?;
     for header in HEADERS.iter().chain(&["crumple.hpp"]) {
-        copy_into(&workspace.path(INCLUDE).join(header), &folder.join(UNREAL_HEADERS))?;
+        copy_into(&in_root(INCLUDE).join(header), &folder.join(UNREAL_HEADERS))?;
     }
-    write(&folder.join(reference::PAGE), reference::page(&workspace.path(INCLUDE))?)?;
-    unity_plugin(workspace, parts, folder)?;
-    engines(workspace, parts, folder)?;
+    write(&folder.join(reference::PAGE), reference::page(&in_root(INCLUDE))?)?;
+    unity_plugin(parts, folder)?;
+    engines(parts, folder)?;
     for page in files_of(folder, &["md"])? {
         markdown::copy_page(&page, page.parent().context("pages lie somewhere")?)?;
     }
@@ -70,36 +59,36 @@ pub fn copy_all(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<(
 }
 
 /// Writes the first page. A template line that begins with `slim|` or `full|` is for that flavour alone.
-fn readme(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
+fn readme(parts: &Parts, folder: &Path) -> Result<()> {
     let (own, features) = (format!("{}|", parts.flavour.name), parts.flavour.library.join(", "));
     let line = |line: &str| match line.strip_prefix(&own) {
         Some(line) => line.to_owned() + "\n",
         None if line.starts_with("slim|") || line.starts_with("full|") => String::new(),
         None => line.to_owned() + "\n",
     };
-    let text: String = read(&workspace.path(README))?.lines().map(line).collect();
-    let text = text.replace("@VERSION@", &workspace.version).replace("@FEATURES@", &features);
+    let text: String = read(README)?.lines().map(line).collect();
+    let text = text.replace("@VERSION@", &VERSION).replace("@FEATURES@", &features);
     write(&folder.join("README.md"), text.replace("@TARGET@", &parts.library.target.triple))
 }
 
 /// Compiles Unity's renderer plugin against the packed library.
-fn unity_plugin(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
+fn unity_plugin(parts: &Parts, folder: &Path) -> Result<()> {
     let target = &parts.library.target;
     let source = folder.join(UNITY_NATIVE);
     // There is no plugin for macOS, where Unity draws with Metal.
     if target.is_macos() {
         return Ok(());
     }
-    if !VULKAN_HEADERS.here(workspace) && cfg!(target_os = "linux") {
+    if !VULKAN_HEADERS.here() && cfg!(target_os = "linux") {
         ensure!(!parts.handed_out, "Unity's plugin needs Vulkan's headers: on Debian, apt-get install libvulkan-dev");
         println!("Unity's plugin is left out");
         return Ok(());
     }
-    let directory = workspace.target.join(format!("package/{}/{}-unity", target.triple, parts.flavour.name));
-    let mut options = native::cross_options(workspace, target)?;
+    let directory = in_target(format!("package/{}/{}-unity", target.triple, parts.flavour.name));
+    let mut options = native::cross_options(target)?;
     options.push("-DCRUMPLE_TESTS=OFF".to_owned());
     let build = Build { options, cross: target.cross, ..Build::new("package", folder) };
-    native::compile(workspace, &build, &source, &directory)?;
+    native::compile(&build, &source, &directory)?;
     let name = if target.is_windows() { "crumple_unity.dll" } else { "libcrumple_unity.so" };
     let plugin = folder.join(UNITY).join("Plugins/x86_64").join(name);
     // Microsoft's builds have a folder for each configuration.
@@ -107,15 +96,15 @@ fn unity_plugin(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<(
     copy(&directory.join(configuration).join(name), &plugin)?;
     if target.is_linux() || target.is_mingw() {
         let strip = target.gnu("strip");
-        cmd!(workspace.shell, "{strip} --strip-unneeded {plugin}").quiet().run()?;
+        run!("{strip} --strip-unneeded {plugin}")?;
     }
     Ok(())
 }
 
-fn engines(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
+fn engines(parts: &Parts, folder: &Path) -> Result<()> {
     let target = &parts.library.target;
-    let soname = abi::soname(&workspace.version);
-    let fill = |path: &str| path.replace("@VERSION@", &workspace.version).replace("@SONAME@", &soname);
+    let soname = abi::soname(&VERSION);
+    let fill = |path: &str| path.replace("@VERSION@", &VERSION).replace("@SONAME@", &soname);
     for &(_, from, engine, to) in ENGINES.iter().filter(|engine| target.triple.contains(engine.0)) {
         copy(&folder.join(fill(from)), &folder.join(engine).join(fill(to)))?;
     }

@@ -2,18 +2,8 @@
 //! same, but would add 150 packages to the build of this helper, and it does not look into the libraries. The table of docs/reliability.md
 //! with all of them, and what must hold for them: cargo-deny checks the same and more, but takes longer to build than this repository.
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
-use std::path::{Path, PathBuf};
-
-use anyhow::{Context, Result, bail, ensure};
-use memchr::memmem;
-
 use super::{FULL, Flavour, Parts, SLIM};
-use crate::files::{bytes, copy, files, files_of, name, read, write};
-use crate::target::Target;
-use crate::workspace::{self, Workspace};
-use crate::{command, repo};
+use crate::prelude::*;
 
 pub const FILE: &str = "THIRD-PARTY-LICENSES.txt";
 /// The licenses of Rust's standard library, from Rust's distribution.
@@ -44,49 +34,49 @@ pub struct Linked {
 }
 
 /// The packages that the flavour's library and command link. Procedural macros and build dependencies are not among them.
-pub fn linked(workspace: &Workspace, parts: &Parts) -> Result<Vec<Linked>> {
+pub fn linked(parts: &Parts) -> Result<Vec<Linked>> {
     let (flavour, target) = (parts.flavour, &parts.library.target.triple);
-    let mut lines = library_tree(workspace, flavour, target)?;
+    let mut lines = library_tree(flavour, target)?;
     if flavour.command {
         let command = ["--package", "crumple", "--target", target, "--features", command::FEATURES];
-        lines.extend(tree(workspace, &command)?);
+        lines.extend(tree(&command)?);
     }
-    known(workspace, lines, &["--all-features"])
+    known(lines, &["--all-features"])
 }
 
 /// The packages that the flavour's library links on any system.
-fn library(workspace: &Workspace, flavour: &Flavour) -> Result<Vec<Linked>> {
-    known(workspace, library_tree(workspace, flavour, "all")?, &["--all-features"])
+fn library(flavour: &Flavour) -> Result<Vec<Linked>> {
+    known(library_tree(flavour, "all")?, &["--all-features"])
 }
 
 /// The packages that a binding of its own workspace links, for any of the targets.
-pub fn linked_of(workspace: &Workspace, manifest: &Path, targets: &[Target]) -> Result<Vec<Linked>> {
+pub fn linked_of(manifest: &Path, targets: &[Target]) -> Result<Vec<Linked>> {
     let manifest = ["--manifest-path", &manifest.to_string_lossy()];
     let mut lines = Vec::new();
     for target in targets {
-        lines.extend(tree(workspace, &[&manifest[..], &["--target", &target.triple]].concat())?);
+        lines.extend(tree(&[&manifest[..], &["--target", &target.triple]].concat())?);
     }
-    known(workspace, lines, &manifest)
+    known(lines, &manifest)
 }
 
-fn library_tree(workspace: &Workspace, flavour: &Flavour, target: &str) -> Result<Vec<String>> {
+fn library_tree(flavour: &Flavour, target: &str) -> Result<Vec<String>> {
     let features = flavour.library.join(",");
-    tree(workspace, &["--package", "crumple", "--target", target, "--no-default-features", "--features", &features])
+    tree(&["--package", "crumple", "--target", target, "--no-default-features", "--features", &features])
 }
 
 /// `NAME vVERSION` and a path for each package that `cargo tree` names.
-fn tree(workspace: &Workspace, arguments: &[&str]) -> Result<Vec<String>> {
+fn tree(arguments: &[&str]) -> Result<Vec<String>> {
     let format = ["tree", "--edges", "normal,no-proc-macro", "--prefix", "none", "--format", "{p}"];
-    let printed = workspace.cargo(&format).args(arguments).quiet().read()?;
+    let printed = cargo(&format).args(arguments).quiet().read()?;
     // Cargo marks packages that it has printed before.
     Ok(printed.lines().map(|line| line.trim_end_matches(" (*)").to_owned()).collect())
 }
 
 /// The packages of lines of `cargo tree`, with what `cargo metadata` knows of them. Ours are left out.
-fn known(workspace: &Workspace, mut lines: Vec<String>, metadata: &[&str]) -> Result<Vec<Linked>> {
+fn known(mut lines: Vec<String>, metadata: &[&str]) -> Result<Vec<Linked>> {
     lines.sort();
     lines.dedup();
-    let packages = workspace.packages(metadata)?;
+    let packages = packages(metadata)?;
     let mut linked = Vec::new();
     for line in lines.iter().filter(|line| !line.starts_with("crumple")) {
         let mut words = line.split_whitespace();
@@ -109,15 +99,15 @@ fn known(workspace: &Workspace, mut lines: Vec<String>, metadata: &[&str]) -> Re
 }
 
 /// Writes the file into a folder, and the licenses of Rust's standard library beside it.
-pub fn write_all(workspace: &Workspace, linked: &[Linked], folder: &Path) -> Result<()> {
-    let common = common(workspace)?;
+pub fn write_all(linked: &[Linked], folder: &Path) -> Result<()> {
+    let common = common()?;
     let mut texts: Vec<(String, Vec<String>)> = Vec::new();
     let mut by_words: BTreeMap<Vec<String>, usize> = BTreeMap::new();
     let mut list = String::new();
     for package in linked {
         let title = format!("{} {}", package.name, package.version);
         let mut numbers = Vec::new();
-        for text in texts_of(package, &workspace.path(SUPPLIED), &common)? {
+        for text in texts_of(package, &in_root(SUPPLIED), &common)? {
             // Texts that differ only in line breaks are one text.
             let words: Vec<String> = text.split_whitespace().map(str::to_owned).collect();
             let number = *by_words.entry(words).or_insert_with(|| {
@@ -132,24 +122,24 @@ pub fn write_all(workspace: &Workspace, linked: &[Linked], folder: &Path) -> Res
     let mut whole = format!(
         "What Crumple {} is linked with beside Rust's standard library ({STANDARD_LIBRARY}):\n\
          package, its license, and the numbers of the texts below.\n\n{list}",
-        workspace.version
+        VERSION
     );
     for (number, (text, of)) in texts.iter().enumerate() {
         whole += &format!("\n{RULE}\n{}: {}\n{RULE}\n\n{}\n", number + 1, of.join(", "), text.trim_end());
     }
     write(&folder.join(FILE), whole)?;
-    let standard = workspace.sysroot()?.join("share/doc/rust/COPYRIGHT-library.html");
+    let standard = sysroot()?.join("share/doc/rust/COPYRIGHT-library.html");
     copy(&standard, &folder.join(STANDARD_LIBRARY))
         .context("the licenses of Rust's standard library are missing: a toolchain of rustup's has them")
 }
 
 /// Licenses whose texts are the same for everyone, with the texts. cbindgen has that of Mozilla.
-fn common(workspace: &Workspace) -> Result<[(&'static str, String); 2]> {
-    let packages = workspace.packages(&[])?;
+fn common() -> Result<[(&'static str, String); 2]> {
+    let packages = packages(&[])?;
     let cbindgen = packages.iter().find(|package| package["name"] == "cbindgen").context("cbindgen is a dependency")?;
     let manifest = Path::new(cbindgen["manifest_path"].as_str().context("packages have manifests")?);
     let mozilla = read(&manifest.with_file_name("LICENSE"))?;
-    Ok([("Apache-2.0", read(&workspace.path("LICENSE-APACHE"))?), ("MPL-2.0", mozilla)])
+    Ok([("Apache-2.0", read("LICENSE-APACHE")?), ("MPL-2.0", mozilla)])
 }
 
 /// The license texts of a package: its own files, or the supplied text, or a common one that it offers.
@@ -198,8 +188,8 @@ pub fn nothing_unlicensed(parts: &Parts, folder: &Path, linked: &[Linked], stand
         }
         let bytes = bytes(&file)?;
         let mut named = 0;
-        for at in memmem::find_iter(&bytes, workspace::SOURCES) {
-            let Some((first, rest)) = bytes[at + workspace::SOURCES.len()..].split_first() else { continue };
+        for at in memmem::find_iter(&bytes, SOURCES) {
+            let Some((first, rest)) = bytes[at + SOURCES.len()..].split_first() else { continue };
             let end = rest.iter().take(100).position(|byte| separators.contains(byte));
             let Some(end) = end.filter(|_| separators.contains(first)) else { continue };
             let package = String::from_utf8_lossy(&rest[..end]);
@@ -210,14 +200,14 @@ pub fn nothing_unlicensed(parts: &Parts, folder: &Path, linked: &[Linked], stand
         }
         libraries += usize::from(named > 0);
     }
-    ensure!(libraries > 0, "no library names a source in {}: was it built for this?", workspace::SOURCES);
+    ensure!(libraries > 0, "no library names a source in {}: was it built for this?", SOURCES);
     Ok(())
 }
 
 /// Compares the table in `page` with what Cargo says, or writes it.
-pub fn check_table(workspace: &Workspace, page: &str, fix: bool) -> Result<()> {
-    let full = library(workspace, &FULL)?;
-    let slim = library(workspace, &SLIM)?;
+pub fn check_table(page: &str, fix: bool) -> Result<()> {
+    let full = library(&FULL)?;
+    let slim = library(&SLIM)?;
     let slim: BTreeSet<&str> = slim.iter().map(|package| package.name.as_str()).collect();
     let mut versions: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
     let mut table =
@@ -236,7 +226,7 @@ pub fn check_table(workspace: &Workspace, page: &str, fix: bool) -> Result<()> {
     versions.retain(|_, versions| versions.len() > 1);
     ensure!(versions.is_empty(), "linked in several versions: {versions:?}");
 
-    repo::passage(workspace, fix, page, [BEGIN, END], &table)?;
+    repo::passage(fix, page, [BEGIN, END], &table)?;
     println!("{page} lists the {} packages that the library links; each may be shipped", full.len());
     Ok(())
 }

@@ -1,33 +1,26 @@
 //! `manifest.json`: the version, target, features and files of an archive, for programs.
 
-use std::path::Path;
-
-use anyhow::{Context, Result};
-use memchr::memmem;
-use serde_json::{Value, json};
-use sha2::{Digest, Sha256};
-
 use super::Parts;
-use crate::abi;
-use crate::files::{bytes, files, within, write};
-use crate::workspace::Workspace;
+use crate::prelude::*;
+use serde_json::json;
+use sha2::{Digest, Sha256};
 
 pub const FILE: &str = "manifest.json";
 
 /// Called last: the manifest lists every file but itself.
-pub fn write_of(workspace: &Workspace, parts: &Parts, folder: &Path) -> Result<()> {
+pub fn write_of(parts: &Parts, folder: &Path) -> Result<()> {
     let (flavour, linux) = (parts.flavour, parts.library.target.is_linux());
     let manifest = json!({
         "name": "crumple",
-        "version": workspace.version,
+        "version": VERSION,
         "target": parts.library.target.triple,
         "flavour": flavour.name,
         "features": flavour.library,
         "command": flavour.command,
-        "soname": linux.then(|| abi::soname(&workspace.version)),
+        "soname": linux.then(|| abi::soname(&VERSION)),
         "glibc": if linux { glibc(folder)? } else { None },
-        "rustc": workspace.rustc("release")?,
-        "commit": workspace.git(&["rev-parse", "HEAD"])?.trim(),
+        "rustc": rustc_says("release")?,
+        "commit": git(&["rev-parse", "HEAD"])?.trim(),
         "files": entries(folder)?,
     });
     write(&folder.join(FILE), serde_json::to_string_pretty(&manifest)? + "\n").context("writing the manifest")

@@ -1,11 +1,7 @@
 //! Links between pages. Links to files that an archive leaves out become plain text.
 
-use std::path::Path;
-
-use anyhow::Result;
+use crate::prelude::*;
 use pulldown_cmark::{Event, Options, Parser, Tag};
-
-use crate::files::{name, read, write};
 
 /// Copies a page into a folder, without links to files that do not exist there.
 pub fn copy_page(page: &Path, folder: &Path) -> Result<()> {

@@ -1,13 +1,7 @@
 //! Moves debug symbols out of the libraries and programs into a folder of their own.
 
-use std::path::Path;
-
-use anyhow::Result;
-use xshell::cmd;
-
 use super::Parts;
-use crate::files::{copy_into, files, make, name, write};
-use crate::workspace::Workspace;
+use crate::prelude::*;
 
 const README: &str = "\
 Debug symbols of the archive of the same name. gdb and lldb find `NAME.debug` beside the library NAME, or in a
@@ -15,8 +9,8 @@ folder `.debug` there. On macOS put `NAME.dSYM` beside it, on Windows `NAME.pdb`
 ";
 
 /// Strips the libraries and programs in `folder`, and leaves their symbols in `debug`.
-pub fn separate(workspace: &Workspace, parts: &Parts, folder: &Path, debug: &Path) -> Result<()> {
-    let (sh, target) = (&workspace.shell, &parts.library.target);
+pub fn separate(parts: &Parts, folder: &Path, debug: &Path) -> Result<()> {
+    let target = &parts.library.target;
     let (strip, objcopy) = (target.gnu("strip"), target.gnu("objcopy"));
     make(debug)?;
     write(&debug.join("README.txt"), README)?;
@@ -35,23 +29,23 @@ pub fn separate(workspace: &Workspace, parts: &Parts, folder: &Path, debug: &Pat
             let mut strip = strip.as_str();
             if target.is_mingw() {
                 // rustup's standard library has empty members, which strip refuses.
-                let members = cmd!(sh, "llvm-ar t {file}").quiet().read()?;
+                let members = said!("llvm-ar t {file}")?;
                 let empty: Vec<&str> = members.lines().filter(|member| member.ends_with(".dwo")).collect();
                 if !empty.is_empty() {
-                    cmd!(sh, "llvm-ar d {file} {empty...}").quiet().run()?;
+                    run!("llvm-ar d {file} {empty...}")?;
                 }
                 strip = "llvm-strip";
             }
-            cmd!(sh, "{strip} {flag} {file}").quiet().run()?;
+            run!("{strip} {flag} {file}")?;
         } else if target.is_macos() && (program || name.ends_with(".dylib")) {
             let symbols = debug.join(format!("{name}.dSYM"));
-            cmd!(sh, "dsymutil {file} -o {symbols}").quiet().run()?;
-            cmd!(sh, "strip -x {file}").quiet().run()?;
+            run!("dsymutil {file} -o {symbols}")?;
+            run!("strip -x {file}")?;
         } else if program || name.contains(".so") {
             let symbols = debug.join(format!("{name}.debug"));
-            cmd!(sh, "{objcopy} --only-keep-debug {file} {symbols}").quiet().run()?;
-            cmd!(sh, "{strip} --strip-unneeded {file}").quiet().run()?;
-            cmd!(sh, "{objcopy} --add-gnu-debuglink={symbols} {file}").quiet().run()?;
+            run!("{objcopy} --only-keep-debug {file} {symbols}")?;
+            run!("{strip} --strip-unneeded {file}")?;
+            run!("{objcopy} --add-gnu-debuglink={symbols} {file}")?;
         }
     }
     Ok(())
