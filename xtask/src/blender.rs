@@ -30,7 +30,6 @@ pub struct Options {
 pub fn run(options: &Options) -> Result<()> {
     let wheel = python::build(true, &in_target("package/blender-wheel"))?;
     let archive = pack(&wheel, &in_root(&options.out))?;
-    announce(&archive)?;
     if options.picture {
         let python = module(NEWEST)?;
         let script = in_root(BINDING).join("examples/dent_car.py");
@@ -113,9 +112,8 @@ fn pack(wheel: &Path, out: &Path) -> Result<PathBuf> {
     let system = system(&name).with_context(|| format!("Blender has no name for the system of {name}"))?;
     let lines = format!("platforms = [\"{system}\"]\nwheels = [\"./wheels/{name}\"]\n");
     write(&stage.join(MANIFEST), format!("{before}{lines}\n[permissions]{after}"))?;
-    make(out)?;
-    let path = out.join(format!("crumple-blender-{}-{system}.zip", VERSION));
-    archive::write(&stage, &path, time()?)?;
+    let path = out.join(format!("crumple-blender-{VERSION}-{system}.zip"));
+    archive::write(&stage, &path)?;
     Ok(path)
 }
 

@@ -79,7 +79,9 @@ fn make_car(out: &Path) -> Result<PathBuf> {
 pub fn demo(out: &Path, gpu: Option<&str>) -> Result<()> {
     println!("Building the `crumple` command; the first time takes a few minutes.");
     let gpu: Vec<String> = gpu.iter().map(|name| format!("--gpu={name}")).collect();
-    show(&command::fast(!gpu.is_empty())?, &in_root(out), &gpu)
+    // The GPU's part takes long to build.
+    let features = if gpu.is_empty() { "cli" } else { command::FEATURES };
+    show(&command::optimized(&Target::host()?, "release", features)?, &in_root(out), &gpu)
 }
 
 /// The demo as a test: it runs and writes every file that it promises.

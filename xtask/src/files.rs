@@ -2,19 +2,22 @@
 
 use crate::prelude::*;
 
-/// Removes `directory` if it exists and creates it empty.
+/// Removes a folder if it exists and creates it empty.
 pub fn empty_directory(directory: impl AsRef<Path>) -> Result<()> {
-    let directory = directory.as_ref();
-    if directory.exists() {
-        fs::remove_dir_all(directory).with_context(|| format!("removing {}", directory.display()))?;
-    }
+    sh().remove_path(&directory)?;
     make(directory)
+}
+
+/// The folder, emptied or created.
+pub fn empty(directory: PathBuf) -> Result<PathBuf> {
+    empty_directory(&directory)?;
+    Ok(directory)
 }
 
 /// Creates a folder if it does not exist.
 pub fn make(folder: impl AsRef<Path>) -> Result<()> {
-    let folder = folder.as_ref();
-    fs::create_dir_all(folder).with_context(|| format!("creating {}", folder.display()))
+    sh().create_dir(folder)?;
+    Ok(())
 }
 
 /// Prints a file's path and size.
@@ -25,8 +28,7 @@ pub fn announce(file: &Path) -> Result<()> {
 
 /// The files below a folder in order, without symbolic links.
 pub fn files(folder: impl AsRef<Path>) -> Result<Vec<PathBuf>> {
-    let folder = folder.as_ref();
-    let mut found = Vec::new();
+    let (folder, mut found) = (folder.as_ref(), Vec::new());
     for entry in fs::read_dir(folder).with_context(|| format!("reading {}", folder.display()))? {
         let entry = entry?;
         let kind = entry.file_type()?;
@@ -51,15 +53,12 @@ pub fn files_of(folder: impl AsRef<Path>, extensions: &[&str]) -> Result<Vec<Pat
 pub fn within(folder: &Path, path: &Path) -> Result<String> {
     let inner =
         path.strip_prefix(folder).with_context(|| format!("{} is not in {}", path.display(), folder.display()))?;
-    let parts: Vec<_> = inner.iter().map(|part| part.to_string_lossy()).collect();
-    ensure!(!parts.is_empty(), "{} is the folder itself", path.display());
-    Ok(parts.join("/"))
+    Ok(inner.iter().map(|part| part.to_string_lossy()).collect::<Vec<_>>().join("/"))
 }
 
 /// The bytes of a file.
 pub fn bytes(path: impl AsRef<Path>) -> Result<Vec<u8>> {
-    let path = path.as_ref();
-    fs::read(path).with_context(|| format!("reading {}", path.display()))
+    Ok(sh().read_binary_file(path)?)
 }
 
 /// The text of a file, with one kind of line ends.
@@ -67,9 +66,9 @@ pub fn read(path: impl AsRef<Path>) -> Result<String> {
     Ok(String::from_utf8_lossy(&bytes(path)?).replace("\r\n", "\n"))
 }
 
+/// Writes a file, and makes the folder for it.
 pub fn write(path: impl AsRef<Path>, contents: impl AsRef<[u8]>) -> Result<()> {
-    let path = path.as_ref();
-    fs::write(path, contents).with_context(|| format!("writing {}", path.display()))
+    Ok(sh().write_file(path, contents)?)
 }
 
 /// The last part of a path.
@@ -80,14 +79,10 @@ pub fn name(path: &Path) -> Result<String> {
 
 /// Copies a file, and makes the folder for it.
 pub fn copy(from: impl AsRef<Path>, to: &Path) -> Result<()> {
-    let from = from.as_ref();
     make(to.parent().context("files lie in folders")?)?;
     // A running program keeps the old file: overwriting it would change the program's memory.
-    if to.exists() {
-        fs::remove_file(to).with_context(|| format!("replacing {}", to.display()))?;
-    }
-    fs::copy(from, to).with_context(|| format!("copying {} to {}", from.display(), to.display()))?;
-    Ok(())
+    sh().remove_path(to)?;
+    Ok(sh().copy_file(from, to)?)
 }
 
 /// Copies a file into a folder.

@@ -49,13 +49,14 @@ pub fn run(options: &Options) -> Result<()> {
     for name in &options.target {
         ensure!(targets.contains(name), "there is no target {name:?}; there are: {}", targets.join(", "));
     }
-    let home = home(options.address);
-    let programs = build(&home, options)?;
+    let [home, programs] = build(options)?;
     let corpora = options.corpus.clone().unwrap_or_else(|| in_target("fuzz/corpus"));
     let chosen = targets.iter().filter(|name| options.target.is_empty() || options.target.contains(name));
-    let mut chosen = chosen.map(|name| {
-        let (program, corpus, kept) = (programs.join(name), corpora.join(name), in_root("fuzz/corpus").join(name));
-        Target { name, program, corpus, kept }
+    let mut chosen = chosen.map(|name| Target {
+        name,
+        program: programs.join(name),
+        corpus: corpora.join(name),
+        kept: in_root("fuzz/corpus").join(name),
     });
     if options.coverage {
         return coverage(chosen);
@@ -110,27 +111,26 @@ impl Target<'_> {
     /// Replaces what is kept by the smallest of those inputs of the corpus that together reach all that it reaches.
     fn keep(&self) -> Result<()> {
         let Self { program, corpus, kept, .. } = self;
-        let merged = corpus.with_extension("merged");
-        empty_directory(&merged)?;
+        let merged = empty(corpus.with_extension("merged"))?;
         run!("{program} -set_cover_merge=1 {merged} {corpus}")?;
         let sized = |file: PathBuf| Ok((fs::metadata(&file)?.len(), file));
         let mut all = files(&merged)?.into_iter().map(sized).collect::<Result<Vec<_>>>()?;
         all.sort();
         empty_directory(kept)?;
-        let (mut total, mut count) = (0, 0);
-        for (size, file) in all {
-            if total + size <= KEPT_BYTES && count < KEPT_FILES {
-                (total, count) = (total + size, count + 1);
+        let mut total = 0;
+        for (size, file) in all.into_iter().take(KEPT_FILES) {
+            total += size;
+            if total <= KEPT_BYTES {
                 copy_into(&file, kept)?;
             }
         }
-        println!("{} holds {count} files of {total} bytes", kept.display());
+        println!("{} holds {} files", kept.display(), files(kept)?.len());
         Ok(())
     }
 
-    /// Runs the corpus once. Returns the lines of `src` where the compiler counts, each with whether it was reached: binutils' addr2line
-    /// names the lines of the places.
-    fn lines(&self) -> Result<Vec<((PathBuf, u32), bool)>> {
+    /// Runs the corpus once. Adds to `lines` those of `src` where the compiler counts, each with whether it was reached: binutils'
+    /// addr2line names the lines of the places.
+    fn lines(&self, lines: &mut BTreeMap<(String, u32), bool>) -> Result<()> {
         let Self { program, corpus, .. } = self;
         make(corpus)?;
         let places = corpus.with_extension("places");
@@ -140,36 +140,31 @@ impl Target<'_> {
             places.lines().filter_map(|line| line.split_once(' ')).map(|(address, hit)| (address, hit == "1")).unzip();
         let named = cmd!("addr2line -e {program}").stdin(addresses.join("\n")).read()?;
         ensure!(named.lines().count() == reached.len(), "addr2line named another number of lines");
-        let source = in_root("src");
-        let line = |(line, reached): (&str, bool)| {
+        for (line, reached) in named.lines().zip(reached) {
             // FILE:LINE, and sometimes " (discriminator 2)".
-            let (file, number) = line.split(' ').next()?.rsplit_once(':')?;
-            Some(((Path::new(file).strip_prefix(&source).ok()?.to_owned(), number.parse().ok()?), reached))
-        };
-        Ok(named.lines().zip(reached).filter_map(line).collect())
+            let place = line.split(' ').next().and_then(|line| line.rsplit_once(':'));
+            let Some((file, number)) = place else { continue };
+            if let (Ok(file), Ok(number)) = (within(&in_root("src"), Path::new(file)), number.parse()) {
+                *lines.entry((file, number)).or_default() |= reached;
+            }
+        }
+        Ok(())
     }
 }
 
 /// Prints for each room how many of the lines where the compiler counts any of the targets reached.
-fn coverage<'a>(targets: impl Iterator<Item = Target<'a>>) -> Result<()> {
-    let mut lines: BTreeMap<(PathBuf, u32), bool> = BTreeMap::new();
-    for target in targets {
-        for (line, reached) in target.lines()? {
-            *lines.entry(line).or_default() |= reached;
-        }
-    }
-    let mut rooms: BTreeMap<PathBuf, (usize, usize)> = BTreeMap::new();
+fn coverage<'a>(mut targets: impl Iterator<Item = Target<'a>>) -> Result<()> {
+    let (mut lines, mut rooms) = (BTreeMap::new(), BTreeMap::<&str, (usize, usize)>::new());
+    targets.try_for_each(|target| target.lines(&mut lines))?;
     for ((file, _), reached) in &lines {
-        let room = file.parent().filter(|room| room != &Path::new("")).unwrap_or(Path::new("."));
-        let top = room.components().next().context("a folder has a name")?;
-        for key in [PathBuf::from(top.as_os_str()), PathBuf::from("all")] {
-            let (hit, all) = rooms.entry(key).or_default();
+        for room in [file.split_once('/').map_or(".", |(room, _)| room), "all"] {
+            let (hit, all) = rooms.entry(room).or_default();
             (*hit, *all) = (*hit + usize::from(*reached), *all + 1);
         }
     }
     println!("| room | lines reached | lines where the compiler counts | |\n|---|---|---|---|");
     for (room, (hit, all)) in rooms {
-        println!("| `{}` | {hit} | {all} | {:.0} % |", room.display(), 100.0 * hit as f64 / all as f64);
+        println!("| `{room}` | {hit} | {all} | {:.0} % |", 100.0 * hit as f64 / all as f64);
     }
     Ok(())
 }
@@ -180,27 +175,19 @@ fn targets() -> Result<Vec<String>> {
     Ok(names.filter_map(|file| Some(file.file_stem()?.to_string_lossy().into_owned())).collect())
 }
 
-/// Cargo's target directory.
-fn home(address: bool) -> PathBuf {
-    in_target(if address { "fuzz-address" } else { "fuzz" })
-}
-
-/// Builds all targets, and returns the folder of the programs.
-fn build(home: &Path, options: &Options) -> Result<PathBuf> {
-    let host = rustc_says("host")?;
-    let manifest = in_root("fuzz/Cargo.toml");
-    let (address, profile) = (options.address, &options.profile);
+/// Builds all targets, and returns Cargo's target directory and the folder of the programs.
+fn build(options: &Options) -> Result<[PathBuf; 2]> {
+    let (address, profile, host) = (options.address, &options.profile, rustc_says("host")?);
+    let home = in_target(if address { "fuzz-address" } else { "fuzz" });
     let flags = if address { format!("{COVERAGE} -Zsanitizer=address") } else { COVERAGE.to_owned() };
     // --target keeps build scripts and macros free of instrumentation.
     let arguments = ["--profile", profile, "--target", &host];
-    let mut build =
-        cmd!("cargo build --manifest-path {manifest} --target-dir {home} {arguments...}").env("RUSTFLAGS", flags);
-    if address {
-        // The compiler calls sanitizers unstable.
-        build = build.env("RUSTC_BOOTSTRAP", "1");
-    }
-    build.run()?;
-    Ok(home.join(host).join(profile))
+    let build = cmd!("cargo build --manifest-path fuzz/Cargo.toml --target-dir {home} {arguments...}");
+    // The compiler calls sanitizers unstable.
+    let bootstrap = address.then_some(("RUSTC_BOOTSTRAP", "1"));
+    build.env("RUSTFLAGS", flags).envs(bootstrap).run()?;
+    let programs = home.join(host).join(profile);
+    Ok([home, programs])
 }
 
 /// Runs every target for a short time, with the same inputs each time.
@@ -210,7 +197,7 @@ pub fn stage() -> Result<()> {
 
 /// Builds what the stage runs.
 pub fn build_for_stage() -> Result<()> {
-    build(&home(false), &for_stage()).map(drop)
+    build(&for_stage()).map(drop)
 }
 
 fn for_stage() -> Options {

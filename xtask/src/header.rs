@@ -16,47 +16,9 @@ const WIDTH: usize = 120;
 const CSHARP: &str = "bindings/unity/Runtime/Native";
 const PYTHON: &str = "bindings/python/src/crumple/_native.py";
 
-/// Of crumple.h, whose opening comment is in cbindgen.toml.
-const CORE: &str = "capi/version capi/result capi/types example/blow select/hit contacts/options damage/mark capi/tasks capi/context \
-                    capi/set capi/instance capi/hit capi/contacts capi/damage capi/memory capi/buffer capi/deform";
-
-/// The headers beside crumple.h: the header, what it includes, and the files of `src` without their ends in the order in which their items
-/// are declared; then the first lines of its opening comment.
-const PARTS: &str = "\
-crumple_build.h crumple.h example/data example/options capi/memory capi/build capi/authoring
-// Crumple: builds example sets from arrays, adds levels of detail to them, and saves them as baked sets.
-//
-// Games load baked sets (crumple.h). This header is for what makes them, and for bodies that are made at run time.
-
-crumple_import.h crumple_build.h capi/store capi/load
-// Crumple: builds example sets from glTF and OBJ files.
-
-crumple_parts.h crumple.h capi/parts
-// Crumple: bodies whose parts come off, points that move with the surface, such as lamps, and colliders.
-
-crumple_contacts.h crumple.h capi/contact_ids
-// Crumple: contact ids, which join hits to one dent, and the hits that contact points became.
-
-crumple_view.h crumple.h capi/view
-// Crumple: how finely, and how soon, instances are shown.
-
-crumple_host.h crumple.h capi/allocator capi/share
-// Crumple: the host's allocator, and example sets in several contexts.
-
-crumple_vulkan.h crumple.h capi/vulkan_types capi/vulkan
-// Crumple: writes deformed vertices by a Vulkan device instead of the CPU.
-//
-// With your device: crumple_vulkan_attach, crumple_buffer_register_vulkan, and once a frame crumple_vulkan_record into your
-// VkCommandBuffer and crumple_vulkan_complete_frames. With a device of Crumple's own, which shares memory with yours:
-// crumple_vulkan_open, crumple_vulkan_import_buffer, crumple_buffer_register_vulkan, and once a frame crumple_vulkan_submit.
-//
-// Every call with a context may also return CRUMPLE_ERROR_VULKAN and CRUMPLE_ERROR_DEVICE_LOST.
-
-crumple_graph.h crumple_vulkan.h capi/graph_types capi/graph
-// Crumple: writes deformed vertices in passes of your own render graph.
-//
-// Register vertex buffers with crumple_buffer_register_graph. Once a frame, crumple_graph_plan returns what to upload and to
-// dispatch, with kernels of crumple_graph_get_kernel. Crumple calls no graphics library.";
+/// The headers in their order: what each includes, the files of `src` without their ends in the order in which their items are declared,
+/// and the first lines of its opening comment, which crumple.h has in cbindgen.toml.
+const PARTS: &str = include_str!("../headers.txt");
 
 pub fn run(check: bool) -> Result<()> {
     let headers = generate()?;
@@ -69,68 +31,55 @@ pub fn run(check: bool) -> Result<()> {
     files.push((format!("{CSHARP}/NativeMethods.g.cs"), functions));
     files.push((PYTHON.to_owned(), python));
     for (name, fresh) in &files {
-        if check {
-            compare(name, fresh)?;
-        } else {
-            write(name, fresh)?;
-            println!("wrote {name}");
+        let committed = read(name).unwrap_or_default();
+        if check && committed != *fresh {
+            let diff = TextDiff::from_lines(&committed, fresh);
+            print!("{}", diff.unified_diff().header(&format!("{name} (committed)"), "what the sources say"));
+            bail!("{name} is not what the sources say; type: cargo xtask header");
         }
+        if !check {
+            write(name, fresh)?;
+        }
+        println!("{name} is what the sources say");
     }
-    Ok(())
-}
-
-fn compare(name: &str, fresh: &str) -> Result<()> {
-    let committed = read(name)?;
-    if committed != fresh {
-        let committed_name = format!("{name} (committed)");
-        let diff = TextDiff::from_lines(&committed, fresh);
-        print!("{}", diff.unified_diff().header(&committed_name, "what the sources say"));
-        bail!("{name} is not what the sources say; type: cargo xtask header");
-    }
-    println!("{name} is what the sources say");
     Ok(())
 }
 
 /// The texts of `HEADERS`.
 fn generate() -> Result<Vec<String>> {
-    let shared =
-        cbindgen::Config::from_file(in_root("cbindgen.toml")).map_err(|message| anyhow!("cbindgen.toml: {message}"))?;
-    let part = |name: &&str| {
-        let Some(part) = PARTS.split("\n\n").find(|part| part.starts_with(name)) else {
-            return write_header(CORE, shared.clone());
-        };
-        let (head, about) = part.split_once('\n').context("an opening comment")?;
-        let [_, include, sources] = head.splitn(3, ' ').collect::<Vec<_>>()[..] else { bail!("{head:?} is no header") };
+    let shared = cbindgen::Config::from_file("cbindgen.toml").map_err(|message| anyhow!("cbindgen.toml: {message}"))?;
+    let part = |part: &str| {
+        let (head, about) = part.split_once('\n').unwrap_or((part, ""));
+        let (name, sources) = head.trim().split_once(": ").with_context(|| format!("{head:?} is no header"))?;
+        let Some((name, include)) = name.split_once(" (") else { return write_header(sources, shared.clone()) };
         let config = cbindgen::Config {
-            header: Some(format!("{about}\n//\n{GENERATED}")),
+            header: Some(format!("{}\n//\n{GENERATED}", about.trim_end())),
             include_guard: Some(name.to_uppercase().replace('.', "_")),
-            after_includes: Some(format!("\n#include \"{include}\"")),
+            after_includes: Some(format!("\n#include \"{}\"", include.trim_end_matches(')'))),
             ..shared.clone()
         };
         write_header(sources, config)
     };
-    HEADERS.iter().map(part).collect()
+    PARTS.split("\n\n").map(part).collect()
 }
 
 /// What `sources` declare. Types of other files are written as they are named.
 fn write_header(sources: &str, mut config: cbindgen::Config) -> Result<String> {
     config.function.args = cbindgen::Layout::Horizontal;
     let files = sources.split(' ').map(|file| in_root(format!("src/{file}.rs")));
-    let builder = files.fold(cbindgen::Builder::new(), |builder, file| builder.with_src(file));
-    let bindings =
-        builder.with_config(config).generate().context("cbindgen cannot read the sources; does the library build?")?;
+    let builder = files.fold(cbindgen::Builder::new(), |builder, file| builder.with_src(file)).with_config(config);
+    let bindings = builder.generate().context("cbindgen cannot read the sources; does the library build?")?;
     let mut text = Vec::new();
     bindings.write(&mut text);
+    // With tags, cbindgen also refers to types by them.
+    let tag = Regex::new("(struct|enum) Crumple")?;
     let line = |line: &str| {
-        // With tags, cbindgen also refers to types by them.
-        let line = match line.starts_with("typedef struct ") || line.starts_with("typedef enum ") {
-            true => line.to_owned(),
-            false => line.replace("struct Crumple", "Crumple").replace("enum Crumple", "Crumple"),
-        };
+        let tagged = line.starts_with("typedef struct ") || line.starts_with("typedef enum ");
+        let line = if tagged { line.into() } else { tag.replace_all(line, "Crumple") };
         let declares = line.ends_with(");") && !line.starts_with("//");
         // Arguments that have no room go below each other.
         let column = line.rfind('(').map_or(0, |parenthesis| parenthesis + 1);
-        if declares { wrapped(&line, WIDTH, column) } else { line }
+        if declares { wrapped(&line, WIDTH, column) } else { line.into_owned() }
     };
     let mut text = String::from_utf8(text)?.lines().map(line).collect::<Vec<_>>().join("\n") + "\n";
     for (found, instead) in [

@@ -12,70 +12,79 @@
 
 use crate::prelude::*;
 
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Profile {
-    Debug,
-    Release,
-    /// Release archives.
-    Dist,
+pub struct Flavour {
+    pub name: &'static str,
+    /// The end of the archive's name.
+    pub suffix: &'static str,
+    /// The library's features. C has no functions for wgpu, so wgpu is not among them.
+    pub library: &'static [&'static str],
+    /// Whether the archive holds the command.
+    pub command: bool,
 }
 
-impl Profile {
-    /// Name of Cargo's output directory.
-    pub fn directory(self) -> &'static str {
-        match self {
-            Self::Debug => "debug",
-            Self::Release => "release",
-            Self::Dist => "dist",
-        }
-    }
-}
-
-/// Features of the library that C programs get: the default ones and the host's allocator.
-pub const FEATURES: &[&str] = &["gltf", "obj", "vulkan", "host-allocator"];
-
-/// The library as Cargo left it.
-pub struct Built {
-    pub target: Target,
-    pub shared: PathBuf,
-    static_library: PathBuf,
-    /// The features that it was built with.
-    features: &'static [&'static str],
-}
-
-/// Builds the C library. Only `Profile::Dist` builds with just `features`. A debug build is the one that the tests use, with all
-/// features.
-pub fn build(target: Target, profile: Profile, features: &'static [&'static str]) -> Result<Built> {
-    match profile {
-        Profile::Debug => build_as_tested(&["--lib"]).run()?,
-        Profile::Release => {
-            // As CMakeLists.txt calls it, so that Cargo builds once for both.
-            let release = ["build", "--release", "--lib", "--package", "crumple", "--no-default-features"];
-            let features = ["capi", &FEATURES.join(",")].join(",");
-            cargo_anywhere(&release)?.args(["--features", &features]).run()?;
-        }
-        Profile::Dist => {
-            let features = features.join(",");
-            // Cargo skips link-time optimization if the Rust library is built along.
-            let dist =
-                ["rustc", "--profile", "dist", "--lib", "--crate-type", "cdylib,staticlib", "--package", "crumple"];
-            target.cargo(&dist)?.args(["--no-default-features", "--features", &features]).run()?;
-        }
-    }
-    Ok(built(target, profile, features))
-}
+pub const SLIM: Flavour =
+    Flavour { name: "slim", suffix: "-slim", library: &["vulkan", "host-allocator"], command: false };
+/// What C programs get: the default features and the host's allocator.
+pub const FULL: Flavour =
+    Flavour { name: "full", suffix: "", library: &["gltf", "obj", "vulkan", "host-allocator"], command: true };
 
 /// What was built for a system.
-pub fn built(target: Target, profile: Profile, features: &'static [&'static str]) -> Built {
-    let directory = target.directory(profile.directory());
-    let (shared, static_library) = (directory.join(target.shared()), directory.join(target.static_library()));
-    Built { target, shared, static_library, features }
+pub struct Built {
+    pub target: Target,
+    pub flavour: &'static Flavour,
+    pub shared: PathBuf,
+    static_library: PathBuf,
+    pub command: Option<PathBuf>,
+    /// Whether this is a release. Otherwise the command is the tests' debug build, which is slow and may name folders of this machine.
+    pub handed_out: bool,
 }
 
-/// The release library in a folder that [`run`] filled. Another build may have taken its place in Cargo's folder.
-pub fn installed(target: Target, prefix: &Path) -> Built {
-    let (shared, static_library) = (shared(&target, prefix), prefix.join("lib").join(target.static_library()));
-    Built { target, shared, static_library, features: FEATURES }
+impl Built {
+    /// In Cargo's folder of a profile, with the command if it is `whole`.
+    pub fn new(target: Target, profile: &str, flavour: &'static Flavour, whole: bool) -> Self {
+        let directory = target.directory(profile);
+        let command = whole.then(|| directory.join(target.program("crumple")));
+        let (shared, static_library) = (directory.join(target.shared()), directory.join(target.static_library()));
+        Self { target, flavour, shared, static_library, command, handed_out: profile == "dist" }
+    }
+
+    /// The release library in a folder that [`run`] filled, and the tests' command. Another build may have taken the library's place in
+    /// Cargo's folder.
+    pub fn tested() -> Result<Self> {
+        let (target, prefix) = (Target::host()?, native::release_prefix()?);
+        let (shared, static_library) = (shared(&target, &prefix), prefix.join("lib").join(target.static_library()));
+        let command = Some(command::tested()?);
+        Ok(Self { target, flavour: &FULL, shared, static_library, command, handed_out: false })
+    }
+}
+
+/// Builds the C library. Only the profile "dist" builds with just the flavour's features. A debug build is the one that the tests
+/// use, with all features.
+fn build(target: &Target, profile: &str, flavour: &Flavour) -> Result<()> {
+    let plain = ["--lib", "--package", "crumple", "--no-default-features", "--features"];
+    let features = format!("capi,{}", flavour.library.join(","));
+    let cargo = match profile {
+        "debug" => build_as_tested(&["--lib"]),
+        // As CMakeLists.txt calls it, so that Cargo builds once for both.
+        "release" => cargo_anywhere(&["build", "--release"])?.args(plain).arg(features),
+        // Cargo skips link-time optimization if the Rust library is built along.
+        _ => target
+            .cargo(&["rustc", "--profile", profile, "--crate-type", "cdylib,staticlib"])?
+            .args(plain)
+            .arg(features),
+    };
+    Ok(cargo.run()?)
+}
+
+/// Builds everything of a flavour for handing out.
+pub fn dist(flavour: &'static Flavour, target: &Target) -> Result<Built> {
+    println!("Building the {} flavour; it is optimized as a whole, which takes minutes.", flavour.name);
+    if flavour.command {
+        command::optimized(target, "dist", command::FEATURES)?;
+    }
+    // Built after the command, because building the command overwrites the library.
+    build(target, "dist", flavour)?;
+    Ok(Built::new(target.clone(), "dist", flavour, flavour.command))
 }
 
 /// What a program links beside the static library, such as `-lpthread`: `rustc` prints it for an empty one.
@@ -85,11 +94,9 @@ fn static_needs(target: &Target) -> Result<Vec<String>> {
         return Ok(target.static_needs().iter().map(|flag| (*flag).to_owned()).collect());
     }
     let scratch = tempfile::tempdir()?;
-    let source = scratch.path().join("empty.rs");
-    fs::write(&source, "")?;
     let (rustc, triple, empty) = (rustc(), &target.triple, scratch.path().join("empty.a"));
-    let print = ["--crate-type", "staticlib", "--print", "native-static-libs", "-o"];
-    let output = cmd!("{rustc} --target {triple} {print...} {empty} {source}").quiet().read_stderr()?;
+    let print = cmd!("{rustc} --target {triple} --crate-type staticlib --print native-static-libs -o {empty} -");
+    let output = print.stdin("").quiet().read_stderr()?;
     let marker = "native-static-libs: ";
     let line = output.lines().find_map(|line| line.split(marker).nth(1));
     let line = line.with_context(|| format!("rustc printed no line with {marker:?}, but: {output}"))?;
@@ -97,11 +104,11 @@ fn static_needs(target: &Target) -> Result<Vec<String>> {
 }
 
 /// Builds and installs.
-pub fn run(prefix: &Path, profile: Profile) -> Result<()> {
-    let built = build(Target::host()?, profile, FEATURES)?;
-    let prefix = in_root(prefix);
-    lay_out(&built, &prefix)?;
-    println!("installed Crumple {} ({}) in {}", VERSION, profile.directory(), prefix.display());
+pub fn run(prefix: &Path, profile: &str) -> Result<()> {
+    let (target, prefix) = (Target::host()?, in_root(prefix));
+    build(&target, profile, &FULL)?;
+    lay_out(&Built::new(target, profile, &FULL, false), &prefix)?;
+    println!("installed Crumple {VERSION} ({profile}) in {}", prefix.display());
     Ok(())
 }
 
@@ -110,21 +117,19 @@ pub fn lay_out(built: &Built, prefix: &Path) -> Result<()> {
     let lib = prefix.join("lib");
     copy_shared(built, prefix)?;
     copy_into(&built.static_library, &lib)?;
-    for header in HEADERS.iter().chain(&["crumple.hpp"]) {
-        copy_into(&in_root(INCLUDE).join(header), &prefix.join("include"))?;
-    }
+    copy_tree(INCLUDE, &prefix.join("include"))?;
     copy_licenses(&prefix.join("share/licenses/crumple"))?;
     let needs = static_needs(&built.target)?;
     let libraries: Vec<&str> = needs.iter().map(|flag| flag.strip_prefix("-l").unwrap_or(flag)).collect();
     let values = [
         ("VERSION", VERSION.to_owned()),
-        ("SONAME", if built.target.is_linux() { abi::soname(&VERSION) } else { String::new() }),
+        ("SONAME", if built.target.is_linux() { abi::soname(VERSION) } else { String::new() }),
         ("STATIC", built.target.static_library().to_owned()),
         ("STATIC_LIBS", needs.join(" ")),
         ("STATIC_LIBS_CMAKE", libraries.join(";")),
         ("POINTER_BYTES", built.target.pointer_bytes().to_string()),
-        ("FEATURES", built.features.join(" ")),
-        ("FEATURES_CMAKE", built.features.join(";")),
+        ("FEATURES", built.flavour.library.join(" ")),
+        ("FEATURES_CMAKE", built.flavour.library.join(";")),
     ];
     for (name, directory) in [
         ("CrumpleConfig.cmake", lib.join("cmake/Crumple")),
@@ -132,7 +137,7 @@ pub fn lay_out(built: &Built, prefix: &Path) -> Result<()> {
         ("crumple.pc", lib.join("pkgconfig")),
         ("static-libraries.txt", lib),
     ] {
-        let template = read(&in_root("cmake").join(format!("{name}.in")))?;
+        let template = read(format!("cmake/{name}.in"))?;
         let text = values.iter().fold(template, |text, (key, value)| text.replace(&format!("@CRUMPLE_{key}@"), value));
         ensure!(!text.contains("@CRUMPLE_"), "cmake/{name}.in asks for what the installer does not know");
         make(&directory)?;
@@ -158,13 +163,11 @@ fn copy_shared(built: &Built, prefix: &Path) -> Result<()> {
     if built.target.is_macos() {
         return copy_into(shared, &lib);
     }
-    let real = format!("libcrumple.so.{}", VERSION);
+    let real = format!("libcrumple.so.{VERSION}");
     copy(shared, &lib.join(&real))?;
-    for link in [abi::soname(&VERSION), "libcrumple.so".to_owned()] {
+    for link in [abi::soname(VERSION), "libcrumple.so".to_owned()] {
         let link = lib.join(link);
-        if link.symlink_metadata().is_ok() {
-            fs::remove_file(&link)?;
-        }
+        sh().remove_path(&link)?;
         symlink(&real, &link).with_context(|| format!("linking {}", link.display()))?;
     }
     Ok(())

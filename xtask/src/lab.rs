@@ -141,18 +141,15 @@ fn bench_devices(options: &BenchOptions) -> Result<()> {
 
 /// The slim C library, stripped. `None` without a `strip` program.
 fn stripped_library() -> Result<Option<PathBuf>> {
-    use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
-    let features = SLIM.library.join(",");
     let what = ["build", "--profile", "dist", "--package", "crumple", "--lib", "--no-default-features", "--features"];
-    cargo(&what).arg(features).run()?;
-    let (name, folder) = (format!("{DLL_PREFIX}crumple{DLL_SUFFIX}"), in_target("stripped"));
-    let (library, stripped) = (in_target("dist").join(&name), folder.join(&name));
-    empty_directory(&folder)?;
-    if let Err(error) = run!("strip -o {stripped} {library}") {
-        println!("left out: the library's size, since it cannot be stripped ({error})");
-        return Ok(None);
+    cargo(&what).arg(SLIM.library.join(",")).run()?;
+    let (target, folder) = (Target::host()?, empty(in_target("stripped"))?);
+    let (library, stripped) = (target.directory("dist").join(target.shared()), folder.join(target.shared()));
+    match run!("strip -o {stripped} {library}") {
+        Ok(()) => return Ok(Some(stripped)),
+        Err(error) => println!("left out: the library's size, since it cannot be stripped ({error})"),
     }
-    Ok(Some(stripped))
+    Ok(None)
 }
 
 /// Builds the lab with these features and returns its program.
@@ -175,20 +172,13 @@ fn timed<T>(name: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
 
 /// Stage "engines".
 pub fn engines() -> Result<()> {
-    let programs = throws()?;
-    all_passed(vec![("Jolt", jolt(&programs)), ("the truths in all engines", truths(&programs))])
-}
-
-fn jolt(programs: &Path) -> Result<()> {
+    let (programs, out) = (throws()?, in_target("lab-engines"));
     let directory = programs.join("examples-c");
-    Ok(cmd!("ctest --test-dir {directory} --tests-regex ^jolt_crash$ --verbose --no-tests=error").run()?)
-}
-
-fn truths(programs: &Path) -> Result<()> {
+    let jolt = cmd!("ctest --test-dir {directory} --tests-regex ^jolt_crash$ --verbose --no-tests=error").run();
     build_as_tested(&["--bin", "crumple-lab"]).run()?;
     let program = in_target("debug/crumple-lab").with_extension(std::env::consts::EXE_EXTENSION);
-    let out = in_target("lab-engines");
-    Ok(cmd!("{program} contacts --check --throws {programs} --out {out}").run()?)
+    let truths = cmd!("{program} contacts --check --throws {programs} --out {out}").run();
+    all_passed(vec![("Jolt", jolt.map_err(Into::into)), ("the truths in all engines", truths.map_err(Into::into))])
 }
 
 /// Builds lab/throws and the examples that need Jolt against the installed library. Returns the folder of the programs. Bullet is left
@@ -203,24 +193,21 @@ fn throws() -> Result<PathBuf> {
     let build = Build { options: vec![source], ..Build::new("throws", &prefix) };
     native::compile(&build, &in_root("lab/throws"), &directory)?;
     let jobs = jobs().to_string();
-    cmd!("cmake --build {directory} --config RelWithDebInfo --target jolt_crash --parallel {jobs}")
-        .ignore_stdout()
-        .run()?;
+    let build = cmd!("cmake --build {directory} --config RelWithDebInfo --target jolt_crash --parallel {jobs}");
+    build.ignore_stdout().run()?;
     Ok(directory)
 }
 
 /// The folder of Jolt's source, which Cargo fetches.
 fn jolt_source() -> Result<PathBuf> {
-    let directory = in_target("jolt");
-    empty_directory(&directory)?;
+    let directory = empty(in_target("jolt"))?;
     let manifest = directory.join("Cargo.toml");
-    let text =
-        "[package]\nname = \"jolt-source\"\nversion = \"0.0.0\"\nedition = \"2024\"\n\n[lib]\npath = \"empty.rs\"\n\n";
-    write(&manifest, format!("{text}[dependencies]\n{JOLT} = \"{JOLT_VERSION}\"\n\n[workspace]\n"))?;
-    write(&directory.join("empty.rs"), "")?;
+    let package = "[package]\nname = \"jolt-source\"\nedition = \"2024\"\n[lib]\npath = \"empty.rs\"\n[workspace]\n";
+    write(&manifest, format!("{package}[dependencies]\n{JOLT} = \"{JOLT_VERSION}\"\n"))?;
+    write(directory.join("empty.rs"), "")?;
     let packages = packages(&["--manifest-path", &manifest.to_string_lossy()])?;
     let file =
         packages.iter().find(|package| package["name"] == JOLT).and_then(|found| found["manifest_path"].as_str());
-    let file = PathBuf::from(file.with_context(|| format!("cargo metadata does not tell where {JOLT} is"))?);
+    let file = Path::new(file.with_context(|| format!("cargo metadata does not tell where {JOLT} is"))?);
     Ok(file.with_file_name("JoltC").join("JoltPhysics"))
 }

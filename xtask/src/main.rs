@@ -148,10 +148,7 @@ fn run(command: Command) -> Result<()> {
         Command::Test(options) => test::run(&options),
         Command::Header { keep: true, .. } => abi::keep(),
         Command::Header { check, .. } => header::run(check),
-        Command::Install { prefix, debug } => {
-            let profile = if debug { install::Profile::Debug } else { install::Profile::Release };
-            install::run(&prefix, profile)
-        }
+        Command::Install { prefix, debug } => install::run(&prefix, if debug { "debug" } else { "release" }),
         Command::Package(options) => package::run(&options),
         Command::Wheel(options) => python::run(&options),
         Command::Addon(options) => godot::pack(&options),

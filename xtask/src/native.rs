@@ -23,7 +23,7 @@ pub fn release_prefix() -> Result<PathBuf> {
     let prefix = in_target("prefix");
     if !INSTALLED.load(Relaxed) {
         empty_directory(&prefix)?;
-        install::run(&prefix, Profile::Release)?;
+        install::run(&prefix, "release")?;
         INSTALLED.store(true, Relaxed);
     }
     Ok(prefix)
@@ -127,7 +127,7 @@ pub fn one_driver() -> Result<Vec<PathBuf>> {
 pub fn sanitizers() -> Result<()> {
     let prefix = in_target("prefix-debug");
     empty_directory(&prefix)?;
-    install::run(&prefix, Profile::Debug)?;
+    install::run(&prefix, "debug")?;
     let _asan = sh().push_env("ASAN_OPTIONS", "detect_leaks=1:strict_string_checks=1:detect_stack_use_after_return=1");
     let _ubsan = sh().push_env("UBSAN_OPTIONS", "print_stacktrace=1");
     let sanitizers = in_root("tests/c/sanitizers.cmake");

@@ -37,10 +37,7 @@ const PLUGINS: &str = "Plugins/x86_64/";
 pub fn run(fix: bool) -> Result<()> {
     sizes()?;
     let lines = read(FIRST_DENT)?.lines().count();
-    ensure!(
-        lines < FIRST_DENT_LINES,
-        "{FIRST_DENT} has {lines} lines; at most {FIRST_DENT_LINES} are for a first program"
-    );
+    ensure!(lines < FIRST_DENT_LINES, "{FIRST_DENT}: {lines} lines; a first program has less than {FIRST_DENT_LINES}");
     for (file, page, language) in SHOWN {
         let (begin, end) = (format!("<!-- {file} -->\n```{language}\n"), format!("```\n<!-- end of {file} -->"));
         passage(fix, page, [&begin, &end], &read(file)?)?;
@@ -74,10 +71,8 @@ fn versions() -> Result<()> {
 /// Every clone carries these folders.
 fn sizes() -> Result<()> {
     for (folders, limit) in LIMITS {
-        let mut total = 0;
-        for file in folders.iter().map(|folder| files(folder)).collect::<Result<Vec<_>>>()?.concat() {
-            total += fs::metadata(file)?.len();
-        }
+        let all = folders.iter().map(files).collect::<Result<Vec<_>>>()?.concat();
+        let total = all.iter().map(|file| Ok(fs::metadata(file)?.len())).sum::<Result<u64>>()?;
         let folders = folders.join(", ");
         ensure!(
             total < *limit,
@@ -92,11 +87,17 @@ fn sizes() -> Result<()> {
 pub fn passage(fix: bool, page: &str, [begin, end]: [&str; 2], text: &str) -> Result<()> {
     let whole = read(page)?;
     let (before, rest) = whole.split_once(begin).with_context(|| format!("{page} lacks the lines {begin:?}"))?;
-    let (told, after) = rest.split_once(end).with_context(|| format!("{page} lacks the lines {end:?}"))?;
-    if told != text && fix {
-        return write(page, [before, begin, text, end, after].concat());
+    let (_, after) = rest.split_once(end).with_context(|| format!("{page} lacks the lines {end:?}"))?;
+    renew(fix, page, &whole, &[before, begin, text, end, after].concat())
+}
+
+/// A page is as it should be, or becomes so.
+fn renew(fix: bool, page: &str, whole: &str, right: &str) -> Result<()> {
+    if whole != right && fix {
+        return write(page, right);
     }
-    ensure!(told == text, "{page} is out of date between {begin:?} and {end:?}; type: cargo xtask repo --fix");
+    let line = whole.lines().zip(right.lines()).find(|(one, other)| one != other);
+    ensure!(whole == right, "{page} is out of date: {line:?}; type: cargo xtask repo --fix");
     Ok(())
 }
 
@@ -104,26 +105,20 @@ pub fn passage(fix: bool, page: &str, [begin, end]: [&str; 2], text: &str) -> Re
 fn unsafe_blocks(fix: bool) -> Result<()> {
     let mut blocks: BTreeMap<String, usize> = BTreeMap::new();
     for file in files_of("src", &["rs"])? {
-        let name = within(Path::new("src"), &file)?;
-        if let Some((room, _)) = name.split_once('/') {
+        if let Some((room, _)) = within(Path::new("src"), &file)?.split_once('/') {
             *blocks.entry(room.to_owned()).or_default() += read(&file)?.matches("unsafe {").count();
         }
     }
-    let mut text = read(RELIABILITY)?;
-    let mut wrong = Vec::new();
-    for (room, blocks) in blocks {
-        let row = text.lines().find(|line| line.starts_with(&format!("| {room} | "))).map(str::to_owned);
-        let told = row.as_ref().and_then(|row| row.split('|').nth(2)?.trim().parse().ok()).unwrap_or(0);
-        if told != blocks {
-            wrong.push(format!("{room} has {blocks}, not {told}"));
-            let row = row.unwrap_or_default();
-            text = text.replace(&row, &row.replacen(&format!("| {told} |"), &format!("| {blocks} |"), 1));
-        }
-    }
-    if fix && !wrong.is_empty() {
-        return write(RELIABILITY, text);
-    }
-    ensure!(wrong.is_empty(), "{RELIABILITY}, unsafe blocks: {wrong:?}; type: cargo xtask repo --fix");
+    blocks.retain(|_, blocks| *blocks > 0);
+    let whole = read(RELIABILITY)?;
+    let row = |found: &Captures<'_>| match blocks.get(&found[1]) {
+        Some(blocks) => format!("| {} | {blocks} |", &found[1]),
+        None => found[0].to_owned(),
+    };
+    let right = Regex::new(r"(?m)^\| (\w+) \| \d+ \|")?.replace_all(&whole, row);
+    let absent: Vec<_> = blocks.keys().filter(|room| !right.contains(&format!("\n| {room} | "))).collect();
+    ensure!(absent.is_empty(), "{RELIABILITY} has no row for the unsafe blocks of {absent:?}");
+    renew(fix, RELIABILITY, &whole, &right)?;
     println!("{RELIABILITY} has the number of unsafe blocks of each room");
     Ok(())
 }
@@ -147,10 +142,12 @@ fn called() -> Result<()> {
 
 /// The messages that docs quote exist in the sources.
 fn messages() -> Result<()> {
+    let continued = Regex::new(r"\\\n\s*")?;
     for (page, sources) in QUOTING {
         let (text, mut source) = (read(page)?, String::new());
         for file in files_of(sources, &["rs", "cs", "cpp", "h", "c"])? {
-            source += &joined(&read(&file)?);
+            // Continued lines of a string are joined as the compiler joins them.
+            source += &continued.replace_all(&read(&file)?, "");
         }
         let quoted = quoted(&text);
         let unknown: Vec<&&str> = quoted.iter().filter(|quote| !source.contains(**quote)).collect();
@@ -162,23 +159,14 @@ fn messages() -> Result<()> {
 
 /// The text in backticks in the first column of our tables.
 fn quoted(page: &str) -> Vec<&str> {
-    let mut within = false;
-    let mut found = Vec::new();
+    let (mut within, mut found) = (false, Vec::new());
     for line in page.lines() {
-        within = if line.starts_with(QUOTES) { true } else { within && line.starts_with('|') };
-        if within && !line.starts_with(QUOTES) {
-            let cell = line.split('|').nth(1).unwrap_or_default();
-            found.extend(cell.split('`').skip(1).step_by(2));
-        }
+        let head = line.starts_with(QUOTES);
+        within = head || within && line.starts_with('|');
+        let cell = line.split('|').nth(1).filter(|_| within && !head).unwrap_or_default();
+        found.extend(cell.split('`').skip(1).step_by(2));
     }
     found
-}
-
-/// Continued lines of a string are joined as the compiler joins them.
-fn joined(source: &str) -> String {
-    let mut parts = source.split("\\\n");
-    let first = parts.next().unwrap_or_default().to_owned();
-    parts.fold(first, |text, part| text + part.trim_start())
 }
 
 /// Checks that every asset has a `.meta` file with a guid of its own, and that every `.meta` file has an asset. With `fix`, writes
@@ -208,11 +196,9 @@ fn metas(fix: bool) -> Result<()> {
             write(&path, format!("fileFormatVersion: 2\nguid: {guid}\n"))?;
             println!("wrote {}", path.display());
         }
-        let text = read(&path)?;
-        let guid = text.lines().find_map(|line| line.strip_prefix("guid: ")).unwrap_or_default().to_owned();
-        let fits = guid.len() == 32 && guid.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'));
-        ensure!(fits, "{} has no guid of 32 hexadecimal digits", path.display());
-        if let Some(other) = guids.insert(guid, asset) {
+        let (text, form) = (read(&path)?, Regex::new("(?m)^guid: ([0-9a-f]{32})$")?);
+        let guid = form.captures(&text).with_context(|| format!("{} has no guid of 32 digits", path.display()))?;
+        if let Some(other) = guids.insert(guid[1].to_owned(), asset) {
             bail!("{PACKAGE}: {other} and {asset} have the same guid in their .meta files");
         }
     }

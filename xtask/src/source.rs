@@ -13,7 +13,7 @@ pub fn cmake() -> Result<()> {
     let root = &root();
     // Cargo finds what the installer built.
     let _flags = sh().push_env("CARGO_ENCODED_RUSTFLAGS", anywhere()?.join("\u{1f}"));
-    let target = format!("-DCRUMPLE_CARGO_TARGET_DIR={}", in_target("").display());
+    let target = format!("-DCRUMPLE_CARGO_TARGET_DIR={}", target_folder().display());
     let build = |source: &Path, name: &str, options: &[&str]| -> Result<PathBuf> {
         let build = directory.join(name);
         silent!("cmake -S {source} -B {build} {target} {options...}")?;
@@ -49,7 +49,7 @@ pub fn conan() -> Result<()> {
     fs::create_dir(&cargo)?;
     fs::write(cargo.join("config.toml"), "[profile.release.package.crumple]\nopt-level = 0\n")?;
     let _flags = sh().push_env("CARGO_ENCODED_RUSTFLAGS", anywhere()?.join("\u{1f}"));
-    let target = in_target("");
+    let target = target_folder();
     let target = target.display();
     // In the cache: CMake would prefer the default there to a plain variable.
     let target = format!("{{'value': '{target}', 'cache': True, 'type': 'PATH', 'docstring': 'Cargo'}}");
@@ -61,19 +61,5 @@ pub fn conan() -> Result<()> {
 
 /// The crate compiles from the files that crates.io gets.
 pub fn crates_io() -> Result<()> {
-    // Cargo's own check takes another folder each time, so that nothing can be compiled ahead.
-    let package = ["package", "--quiet", "--allow-dirty", "--no-verify", "--package", "crumple"];
-    cargo(&package).run()?;
-    let name = format!("crumple-{}", VERSION);
-    let file = in_target("package").join(format!("{name}.crate"));
-    // The archive's files all have one time, by which Cargo would take changed ones for those that it has compiled.
-    let (home, version) = (in_target("crate"), sha256(&bytes(&file)?));
-    let to = home.join(version);
-    let (manifest, target) = (to.join(name).join("Cargo.toml"), home.join("target"));
-    empty_directory(&to)?;
-    run!("tar -xzf {file} -C {to}")?;
-    // It is no package of the repository in whose target folder it lies.
-    write(&manifest, read(&manifest)? + "\n[workspace]\n")?;
-    cmd!("cargo check --locked --manifest-path {manifest} --target-dir {target}").run()?;
-    Ok(())
+    Ok(cargo(&["package", "--quiet", "--locked", "--allow-dirty", "--package", "crumple"]).run()?)
 }

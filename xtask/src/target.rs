@@ -72,32 +72,25 @@ impl Target {
 
     /// The folder that holds the builds of a profile.
     pub fn directory(&self, profile: &str) -> PathBuf {
-        if self.cross { cross().join(&self.triple) } else { in_target("") }.join(profile)
+        if self.cross { cross().join(&self.triple) } else { target_folder() }.join(profile)
     }
 
     /// A program of GNU's compiler or binutils for this system: `gcc`, `strip`.
     pub fn gnu(&self, program: &str) -> String {
-        match self.triple.as_str() {
-            WINDOWS if self.cross => format!("x86_64-w64-mingw32-{program}"),
-            AARCH64 if self.cross => format!("aarch64-linux-gnu-{program}"),
-            I686 if self.cross => format!("i686-linux-gnu-{program}"),
-            _ => program.to_owned(),
-        }
+        let known = [(WINDOWS, "x86_64-w64-mingw32-"), (AARCH64, "aarch64-linux-gnu-"), (I686, "i686-linux-gnu-")];
+        let prefix = known.iter().find(|(triple, _)| self.cross && self.triple == *triple).map_or("", |known| known.1);
+        format!("{prefix}{program}")
     }
 
-    /// Whether Rust can compile for it.
+    /// Whether Rust can compile for it, with its own standard library or from Debian's source of it.
     pub fn has_rust(&self) -> bool {
-        self.has_standard_library() || Self::has_source()
+        let exists = |path: &&str| Path::new(path).exists();
+        self.has_standard_library() || [DEBIAN_CARGO, DEBIAN_RUSTC, DEBIAN_SOURCE].iter().all(exists)
     }
 
     /// Whether the toolchain that runs this program has the standard library for it: rustup installs that.
     pub fn has_standard_library(&self) -> bool {
         !self.cross || sysroot().is_ok_and(|root| root.join("lib/rustlib").join(&self.triple).join("lib").is_dir())
-    }
-
-    /// Whether Debian's Rust is here with the source of the standard library.
-    fn has_source() -> bool {
-        [DEBIAN_CARGO, DEBIAN_RUSTC, DEBIAN_SOURCE].iter().all(|path| Path::new(path).exists())
     }
 
     /// `NAME-VERSION` of the packages that the standard library is compiled from, if it is compiled here.
@@ -129,26 +122,20 @@ impl Target {
         if !self.cross {
             return cargo_anywhere(arguments);
         }
-        let mut flags = anywhere()?;
-        // A warning here is one that the lints of this machine's system do not see.
-        flags.push("--deny=warnings".to_owned());
-        let mut linker = self.gnu("gcc");
-        if self.triple == WEB {
-            // Every browser of the last years has vectors.
-            flags.push("-Ctarget-feature=+simd128".to_owned());
-            linker = "wasm-ld".to_owned();
-        }
+        // A warning here is one that the lints of this machine's system do not see. Every browser of the last years has vectors.
+        let own = ["--deny=warnings", "-Ctarget-feature=+simd128"];
+        let (web, triple) = (self.triple == WEB, &self.triple);
+        let flags = [anywhere()?, own[..1 + usize::from(web)].iter().map(|flag| (*flag).to_owned()).collect()].concat();
         let (first, rest) = arguments.split_first().unwrap_or((&"", &[]));
-        let triple = &self.triple;
         let cargo = if self.has_standard_library() {
-            cargo(&[first, "--target", triple])
+            cmd!("cargo {first} --target {triple}")
         } else {
             // Cargo calls this unstable. Debian's Rust has no compiled standard library for other systems.
-            let panic = if triple == WEB { "panic_abort" } else { "panic_unwind" };
-            let source = format!("-Zbuild-std=std,{panic},test");
+            let source = format!("-Zbuild-std=std,{},test", if web { "panic_abort" } else { "panic_unwind" });
             let cargo = cmd!("{DEBIAN_CARGO} {first} {source} --target {triple}");
             cargo.env("RUSTC", DEBIAN_RUSTC).env("RUSTC_BOOTSTRAP", "1")
         };
+        let linker = if web { "wasm-ld".to_owned() } else { self.gnu("gcc") };
         // Builds for this system do not wait for it.
         let cargo = cargo.env("CARGO_TARGET_DIR", cross()).env(self.variable("LINKER"), linker);
         Ok(cargo.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\u{1f}")).args(rest))

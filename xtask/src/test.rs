@@ -80,7 +80,7 @@ const STAGES: &[Stage] = stages! {
         elsewhere: unless(LINUX_X86_64, "Blender is fetched for Linux on x86-64 only");
     "gltf-validator": exports::valid, "the Khronos validator finds nothing wrong with what the command exports",
         needs: &[NPM];
-    "crate": source::crates_io, "the crate builds from the files that crates.io gets", leaves: &["crate"];
+    "crate": source::crates_io, "the crate builds from the files that crates.io gets";
     "godot": godot::run,
         "the extension dents meshes in Godot: its classes, both physics engines, the editor's import, a picture",
         needs: &[CC, XVFB], leaves: &["godot"],
@@ -143,8 +143,8 @@ pub fn ci(fail_fast: bool) -> Result<()> {
 
 /// Compiles what stages need in target folders of their own, in their order. A stage finds it ready, or waits for Cargo's lock.
 pub fn ahead() -> Result<()> {
-    let builds: [fn() -> Result<()>; 6] =
-        [source::crates_io, godot::build, web::build, fuzz::build_for_stage, nightly::build, platforms::build];
+    let builds: [fn() -> Result<()>; 5] =
+        [godot::build, web::build, fuzz::build_for_stage, nightly::build, platforms::build];
     for build in builds {
         // The stage says again what fails.
         let _ = build();

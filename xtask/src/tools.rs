@@ -13,12 +13,8 @@ pub struct Tool {
 /// What shows that a tool is here.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 enum Sign {
-    /// Programs that answer to `--version`.
-    Programs(&'static str),
-    /// A program that ends well with these arguments.
-    Call(&'static [&'static str]),
-    /// A library that pkg-config knows.
-    Library(&'static str),
+    /// Calls of programs that all end well, separated by commas. A program alone is asked for its `--version`.
+    Calls(&'static str),
     /// Libraries that the system's loader finds.
     Loaded(&'static str),
     /// A system that Rust can compile for.
@@ -27,7 +23,7 @@ enum Sign {
     File(&'static [&'static str]),
 }
 
-use Sign::{Call, File, Library, Loaded, Programs, Rust};
+use Sign::{Calls, File, Loaded, Rust};
 
 macro_rules! tools {
     ($($(#[$doc:meta])* $constant:ident: $name:expr, $packages:expr, $sign:expr;)*) => {
@@ -39,56 +35,56 @@ const FOR_RUST: &str = "rustc-web cargo-web rust-web-src";
 pub const SWIFTSHADER_LIBRARY: &str = "/usr/lib/chromium/libvk_swiftshader.so";
 
 tools! {
-    CMAKE: "CMake", "cmake make", Programs("cmake");
-    CC: "a C compiler", "gcc libc6-dev", Programs("cc");
-    CXX: "a C++ compiler", "g++", Programs("c++");
-    PKG_CONFIG: "pkg-config", "pkg-config", Programs("pkg-config");
+    CMAKE: "CMake", "cmake make", Calls("cmake");
+    CC: "a C compiler", "gcc libc6-dev", Calls("cc");
+    CXX: "a C++ compiler", "g++", Calls("c++");
+    PKG_CONFIG: "pkg-config", "pkg-config", Calls("pkg-config");
     /// The rigid bodies of `crash.cpp`.
-    ODE: "the Open Dynamics Engine's headers", "pkg-config libode-dev", Library("ode");
+    ODE: "the Open Dynamics Engine's headers", "pkg-config libode-dev", Calls("pkg-config --exists ode");
     /// The rigid bodies of `collider.cpp`.
-    BULLET: "Bullet's headers", "pkg-config libbullet-dev", Library("bullet");
-    VALGRIND: "valgrind", "valgrind libc6-dbg", Programs("valgrind");
+    BULLET: "Bullet's headers", "pkg-config libbullet-dev", Calls("pkg-config --exists bullet");
+    VALGRIND: "valgrind", "valgrind libc6-dbg", Calls("valgrind");
     /// The one version that Blender's `bpy` package is built for.
-    PYTHON311: "Python 3.11 with venv", "python3.11 python3.11-venv", Call(&["python3.11", "-c", "import ensurepip, venv"]);
+    PYTHON311: "Python 3.11 with venv", "python3.11 python3.11-venv", Calls("python3.11 -m ensurepip --version");
     /// Any version, for the lab's charts.
-    PYTHON3: "Python 3 with venv", "python3 python3-venv", Call(&["python3", "-c", "import ensurepip, venv"]);
+    PYTHON3: "Python 3 with venv", "python3 python3-venv", Calls("python3 -m ensurepip --version");
     /// The windowing libraries that `bpy` links, although it opens no window.
     BLENDER_LIBRARIES: "X11 and OpenGL libraries for Blender",
         "libgl1 libice6 libsm6 libx11-6 libxext6 libxfixes3 libxi6 libxkbcommon0 libxrender1",
         Loaded("libGL.so.1 libICE.so.6 libSM.so.6 libX11.so.6 libXext.so.6 libXfixes.so.3 libXi.so.6 libXrender.so.1 \
                 libxkbcommon.so.0");
     /// Installs the Khronos glTF validator and what the page draws with.
-    NPM: "npm", "nodejs npm", Programs("npm");
+    NPM: "npm", "nodejs npm", Calls("npm");
     VULKAN: "Vulkan with Mesa's software driver and the validation layers",
         "libvulkan1 mesa-vulkan-drivers vulkan-validationlayers",
         Loaded("libvulkan.so.1 libvulkan_lvp.so libVkLayer_khronos_validation.so");
     /// Vulkan's other software driver, in Debian's Chromium.
     SWIFTSHADER: "SwiftShader", "chromium-common", File(&[SWIFTSHADER_LIBRARY]);
-    VULKAN_HEADERS: "Vulkan's headers", "pkg-config libvulkan-dev", Library("vulkan");
+    VULKAN_HEADERS: "Vulkan's headers", "pkg-config libvulkan-dev", Calls("pkg-config --exists vulkan");
     /// Its tools compare binary interfaces.
-    ABIGAIL: "libabigail's abidiff", "abigail-tools", Programs("abidiff");
+    ABIGAIL: "libabigail's abidiff", "abigail-tools", Calls("abidiff");
     /// `vulkan_render.cpp` writes its picture with it.
-    PNG: "libpng's headers", "pkg-config libpng-dev", Library("libpng");
+    PNG: "libpng's headers", "pkg-config libpng-dev", Calls("pkg-config --exists libpng");
     /// Similar to Unity's C#.
-    MONO: "Mono with its C# compiler", "mono-mcs mono-runtime", Programs("mcs mono");
+    MONO: "Mono with its C# compiler", "mono-mcs mono-runtime", Calls("mcs, mono");
     WINDOWS_RUST: "Rust for Windows (or: rustup target add x86_64-pc-windows-gnu)", FOR_RUST, Rust(WINDOWS);
     MINGW: "MinGW's compilers", "g++-mingw-w64-x86-64-posix mingw-w64-x86-64-dev",
-        Programs("x86_64-w64-mingw32-gcc-posix x86_64-w64-mingw32-g++-posix");
+        Calls("x86_64-w64-mingw32-gcc-posix, x86_64-w64-mingw32-g++-posix");
     WINE: "Wine", "wine64", File(wine::PROGRAMS);
     /// A display without a screen.
     XVFB: "Xvfb", "xvfb", File(&["/usr/bin/Xvfb"]);
-    LLVM: "LLVM's clang, lld-link and llvm-dlltool", "clang lld llvm", Programs("clang lld-link llvm-strip");
+    LLVM: "LLVM's clang, lld-link and llvm-dlltool", "clang lld llvm", Calls("clang, lld-link, llvm-strip");
     AARCH64_RUST: "Rust for 64-bit ARM (or: rustup target add aarch64-unknown-linux-gnu)", FOR_RUST, Rust(AARCH64);
     AARCH64_CC: "GNU's compilers for 64-bit ARM", "g++-aarch64-linux-gnu",
-        Programs("aarch64-linux-gnu-gcc aarch64-linux-gnu-g++");
+        Calls("aarch64-linux-gnu-gcc, aarch64-linux-gnu-g++");
     I686_RUST: "Rust for 32-bit x86 (or: rustup target add i686-unknown-linux-gnu)", FOR_RUST, Rust(I686);
-    I686_CC: "GNU's compilers for 32-bit x86", "g++-i686-linux-gnu", Programs("i686-linux-gnu-gcc i686-linux-gnu-g++");
+    I686_CC: "GNU's compilers for 32-bit x86", "g++-i686-linux-gnu", Calls("i686-linux-gnu-gcc, i686-linux-gnu-g++");
     WEB_RUST: "Rust for WebAssembly (or: rustup target add wasm32-unknown-unknown)", FOR_RUST, Rust(WEB);
-    CHROMIUM: "Chromium", "chromium", Programs("/usr/bin/chromium");
+    CHROMIUM: "Chromium", "chromium", Calls("/usr/bin/chromium");
     /// Runs programs for 64-bit ARM.
-    QEMU: "qemu-aarch64", "qemu-user", Programs("qemu-aarch64");
+    QEMU: "qemu-aarch64", "qemu-user", Calls("qemu-aarch64");
     /// Converts between file formats.
-    ASSIMP: "assimp", "assimp-utils", Call(&["assimp", "version"]);
+    ASSIMP: "assimp", "assimp-utils", Calls("assimp version");
 }
 
 /// What building and running programs for Windows takes.
@@ -98,14 +94,16 @@ pub const FOR_ALL: &[Tool] = &[ODE, BULLET, SWIFTSHADER];
 
 impl Tool {
     pub fn here(self) -> bool {
-        let ends_well = |program: &str, arguments: &[&str]| {
-            cmd!("{program} {arguments...}").quiet().ignore_stdout().ignore_stderr().run().is_ok()
+        let ends_well = |call: &str| {
+            let mut words = call.split(' ');
+            let (program, version) = (words.next(), (!call.contains(' ')).then_some("--version"));
+            let quiet =
+                |program: &str| cmd!("{program} {words...} {version...}").quiet().ignore_stdout().ignore_stderr();
+            program.is_some_and(|program| quiet(program).run().is_ok())
         };
         match self.sign {
-            Programs(names) => names.split(' ').all(|name| ends_well(name, &["--version"])),
-            Call(words) => ends_well(words[0], &words[1..]),
-            Library(name) => ends_well("pkg-config", &["--exists", name]),
-            Loaded(names) => cmd!("/sbin/ldconfig -p").quiet().ignore_stderr().read().is_ok_and(|known| {
+            Calls(calls) => calls.split(", ").all(ends_well),
+            Loaded(names) => said!("/sbin/ldconfig -p").is_ok_and(|known| {
                 names.split(' ').all(|name| known.lines().any(|line| line.trim_start().starts_with(name)))
             }),
             Rust(triple) => Target::other(triple).has_rust(),
@@ -116,30 +114,31 @@ impl Tool {
 
 /// Installs the missing tools of `wanted` on Debian and its derivatives, as root or by sudo. Returns the tools that are still missing.
 pub fn provide<'t>(wanted: impl IntoIterator<Item = &'t Tool>) -> Vec<Tool> {
-    let mut missing: Vec<Tool> = wanted.into_iter().copied().collect();
-    missing.sort();
-    missing.dedup();
-    let still_missing = |missing: &mut Vec<Tool>| missing.retain(|tool| !tool.here());
-    still_missing(&mut missing);
+    let mut missing: Vec<Tool> = wanted.into_iter().copied().collect::<BTreeSet<_>>().into_iter().collect();
+    missing.retain(|tool| !tool.here());
     for tool in &missing {
         if let Rust(triple) = tool.sign {
             // Where there is no rustup, or it reaches nothing, a package of the distribution follows.
             let _ = cmd!("rustup target add {triple}").ignore_stderr().run();
         }
     }
-    still_missing(&mut missing);
+    missing.retain(|tool| !tool.here());
     let packages = packages_of(&missing);
-    if let Some(apt) = apt().filter(|_| !packages.is_empty()) {
+    if let Some(privilege) = privilege().filter(|_| !packages.is_empty()) {
         println!("installing what is missing: {}", packages.join(" "));
+        let apt = |what: &[&str], packages: &[&str]| {
+            let words = "env DEBIAN_FRONTEND=noninteractive apt-get -q -y".split(' ');
+            let words: Vec<&str> = privilege.iter().copied().chain(words).collect();
+            let (program, words) = (words[0], &words[1..]);
+            cmd!("{program} {words...} {what...} {packages...}").run()
+        };
         // Errors are ignored here: one package that the release lacks must not stop the others, and missing tools are reported below.
-        let _ = apt(&["update"]);
-        let install = |packages: &[&str]| apt(&[&["install", "--no-install-recommends"], packages].concat());
-        if install(&packages).is_err() {
-            for package in &packages {
-                let _ = install(&[package]);
-            }
+        let _ = apt(&["update"], &[]);
+        let install = ["install", "--no-install-recommends"];
+        if apt(&install, &packages).is_err() {
+            packages.iter().for_each(|package| drop(apt(&install, &[package])));
         }
-        still_missing(&mut missing);
+        missing.retain(|tool| !tool.here());
     }
     if !missing.is_empty() {
         println!("{}", advice(&missing));
@@ -162,10 +161,7 @@ pub fn advice(missing: &[Tool]) -> String {
 }
 
 fn packages_of(tools: &[Tool]) -> Vec<&'static str> {
-    let mut packages: Vec<&str> = tools.iter().flat_map(|tool| tool.packages.split(' ')).collect();
-    packages.sort_unstable();
-    packages.dedup();
-    packages
+    tools.iter().flat_map(|tool| tool.packages.split(' ')).collect::<BTreeSet<_>>().into_iter().collect()
 }
 
 /// Installs packages of npm, `NAME@VERSION`, below a folder that has nothing else, if they are not there. Returns their folder.
@@ -184,19 +180,10 @@ pub fn npm(directory: &Path, packages: &[&str]) -> Result<PathBuf> {
     Ok(modules)
 }
 
-/// Runs `apt-get` with these arguments, as root or by a sudo that needs no password. `None` if we may not.
-fn apt() -> Option<impl Fn(&[&str]) -> xshell::Result<()>> {
-    if cfg!(not(target_os = "linux")) || cmd!("apt-get --version").quiet().ignore_stderr().read().is_err() {
-        return None;
-    }
+/// What `apt-get` is called with: nothing as root, or a sudo that needs no password. `None` if there is neither, or no `apt-get`.
+fn privilege() -> Option<&'static [&'static str]> {
+    silent!("apt-get --version").ok()?;
     let root = said!("id -u").is_ok_and(|id| id.trim() == "0");
-    if !root && cmd!("sudo -n true").quiet().ignore_stderr().run().is_err() {
-        return None;
-    }
-    let privilege: &[&str] = if root { &[] } else { &["sudo", "-n"] };
-    let words = [privilege, &["env", "DEBIAN_FRONTEND=noninteractive", "apt-get", "-q", "-y"]].concat();
-    Some(move |arguments: &[&str]| {
-        let (program, rest) = (words[0], &words[1..]);
-        cmd!("{program} {rest...} {arguments...}").run()
-    })
+    let sudo = || cmd!("sudo -n true").quiet().ignore_stderr().run().ok().map(|()| &["sudo", "-n"][..]);
+    if root { Some(&[]) } else { sudo() }
 }

@@ -54,14 +54,10 @@ fn node(packages: &[&str]) -> Result<PathBuf> {
     tools::npm(&in_target("web/node"), packages)
 }
 
-fn manifest() -> PathBuf {
-    in_root(PACKAGE).join("Cargo.toml")
-}
-
 /// Builds the module.
 pub fn build() -> Result<()> {
     let cargo = Target::other(WEB).cargo(&["build", "--release", "--locked"])?;
-    Ok(cargo.arg("--manifest-path").arg(manifest()).run()?)
+    Ok(cargo.arg("--manifest-path").arg("bindings/web/Cargo.toml").run()?)
 }
 
 fn lay_out(modules: &Path, out: &Path) -> Result<()> {
@@ -70,10 +66,10 @@ fn lay_out(modules: &Path, out: &Path) -> Result<()> {
     copy_sources(PACKAGE, INTERFACE, &package)?;
     copy_licenses(&package)?;
     build()?;
-    let (web, manifest) = (Target::other(WEB), manifest());
-    let module = web.directory(Profile::Release.directory()).join("crumple_web.wasm");
+    let web = Target::other(WEB);
+    let module = web.directory("release").join("crumple_web.wasm");
     copy(&module, &package.join("crumple.wasm"))?;
-    licenses::write_all(&licenses::linked_of(&manifest, &[web])?, &package)?;
+    licenses::write_all(&licenses::linked_of(PACKAGE, &[web])?, &package)?;
     copy_tree(&in_root(PACKAGE).join("demo"), out)?;
     for file in DRAWN_WITH.split(' ') {
         copy(&modules.join("three").join(file), &out.join("three").join(file))?;

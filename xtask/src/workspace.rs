@@ -40,9 +40,14 @@ pub fn in_root(path: impl AsRef<Path>) -> PathBuf {
     root().join(path)
 }
 
-/// A path in Cargo's target directory; `CARGO_TARGET_DIR` may set it.
+/// Cargo's target directory; `CARGO_TARGET_DIR` may set it.
+pub fn target_folder() -> PathBuf {
+    root().join(std::env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into()))
+}
+
+/// A path in it.
 pub fn in_target(path: impl AsRef<Path>) -> PathBuf {
-    root().join(std::env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into())).join(path)
+    target_folder().join(path)
 }
 
 /// The shell of this thread.

@@ -2,17 +2,22 @@
 
 use crate::prelude::*;
 
-/// Packs `folder` under its own name into `out/NAME.tar.gz`, or `.zip` on Windows. The bytes depend on the contents and the time alone.
-pub fn pack(folder: &Path, out: &Path, time: u64, target: &Target) -> Result<PathBuf> {
-    let path = out.join(format!("{}.{}", name(folder)?, if target.is_windows() { "zip" } else { "tar.gz" }));
-    write(folder, &path, time)?;
-    Ok(path)
+/// Packs `folder` under its own name into a `.zip` or a `.tar.gz`. The bytes depend on the contents and the time alone.
+pub fn write(folder: &Path, path: &Path) -> Result<()> {
+    make(path.parent().context("archives lie in folders")?)?;
+    write_at(folder, path, time()?)?;
+    announce(path)
 }
 
-/// Packs `folder` under its own name into a `.zip` or a `.tar.gz`. Every entry has this time, s since 1970.
-pub fn write(folder: &Path, path: &Path, time: u64) -> Result<()> {
+/// The modification time of every entry: `SOURCE_DATE_EPOCH`, or the time of the commit, s since 1970.
+fn time() -> Result<u64> {
+    let seconds = std::env::var("SOURCE_DATE_EPOCH").or_else(|_| git(&["log", "-1", "--format=%ct"]))?;
+    seconds.trim().parse().with_context(|| format!("SOURCE_DATE_EPOCH is {seconds:?}; it must be seconds since 1970"))
+}
+
+fn write_at(folder: &Path, path: &Path, time: u64) -> Result<()> {
     let (store, prefix) = (tempfile::tempdir()?, format!("--prefix={}/", name(folder)?));
-    let (out, date) = (format!("--output={}", std::path::absolute(path)?.display()), format!("@{time} +0000"));
+    let (out, date) = (format!("--output={}", path.display()), format!("@{time} +0000"));
     let _there = sh().push_dir(folder);
     let environment = [
         ("GIT_CONFIG_GLOBAL", "/dev/null"),
@@ -52,7 +57,7 @@ mod tests {
                     fs::write(file, name.repeat(1000) + "\r\n").unwrap();
                 }
                 let path = path.with_file_name(format!("archive.{extension}"));
-                write(&folder, &path, 1_000_000_000).unwrap();
+                write_at(&folder, &path, 1_000_000_000).unwrap();
                 fs::read(path).unwrap()
             };
             let one = packed(["b", "a/c", "a/.b", "a-b"]);

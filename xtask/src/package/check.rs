@@ -1,7 +1,7 @@
 //! Checks an archive as a user has it: unpacked in an empty folder. Its files match its manifest, and its examples build and run,
 //! shared and static, by CMake and by pkg-config.
 
-use super::{Parts, manifest, pack, tested};
+use super::{manifest, name_of, pack};
 use crate::prelude::*;
 
 /// A project of a user, beside the archive's examples.
@@ -9,52 +9,51 @@ pub const CLIENT: &str = "xtask/package/client";
 
 /// Packs and checks the full flavour with the release library and the tests' command, which other stages build too.
 pub fn stage() -> Result<()> {
-    let (parts, out) = (tested()?, tempfile::tempdir()?);
-    check(&parts, &pack(&parts, out.path())?)
+    let (built, out) = (Built::tested()?, tempfile::tempdir()?);
+    check(&built, &pack(&built, out.path())?)
 }
 
 /// Packs and checks the full flavour for Windows with a library and a command that other tests use too.
-pub fn windows(wine: &Wine, library: Built, command: PathBuf) -> Result<()> {
-    let (parts, out) = (Parts::tested(library, command), tempfile::tempdir()?);
-    under_wine(&parts, &pack(&parts, out.path())?, wine)
+pub fn windows(wine: &Wine, built: &Built) -> Result<()> {
+    let out = tempfile::tempdir()?;
+    under_wine(built, &pack(built, out.path())?, wine)
 }
 
-pub fn check(parts: &Parts, archive: &Path) -> Result<()> {
+pub fn check(built: &Built, archive: &Path) -> Result<()> {
     if cfg!(windows) {
         println!("an archive for Windows is not unpacked and tried here");
         return Ok(());
     }
     let scratch = tempfile::tempdir()?;
     let root = scratch.path();
-    let folder = unpack(parts, archive, root)?;
-    if parts.library.target.is_linux() {
-        let shared = install::shared(&parts.library.target, &folder);
-        install::loads_well(&parts.library.target, &shared)?;
+    let folder = unpack(built, archive, root)?;
+    if built.target.is_linux() {
+        install::loads_well(&built.target, &install::shared(&built.target, &folder))?;
     }
-    command(parts, &folder, &[])?;
+    command(built, &folder, &[])?;
     println!("by the first page:");
-    first_page(parts, &folder)?;
+    first_page(built, &folder)?;
     println!("by CMake:");
     by_cmake(root, &folder)?;
-    client(parts, root, &folder, &[])?;
+    client(built, root, &folder, &[])?;
     println!("by pkg-config:");
-    by_pkg_config(parts, root, &folder)?;
+    by_pkg_config(built, root, &folder)?;
     println!("{} is what it says, and its examples run", archive.display());
     Ok(())
 }
 
 /// Builds the user's project with MinGW against an archive for Windows, and runs it and the command under Wine. Stage
 /// "windows" runs the examples.
-pub fn under_wine(parts: &Parts, archive: &Path, wine: &Wine) -> Result<()> {
-    let (scratch, target) = (tempfile::tempdir()?, &parts.library.target);
+pub fn under_wine(built: &Built, archive: &Path, wine: &Wine) -> Result<()> {
+    let (scratch, target) = (tempfile::tempdir()?, &built.target);
     let (root, runner) = (scratch.path(), &[wine.program]);
-    let folder = unpack(parts, archive, root)?;
+    let folder = unpack(built, archive, root)?;
     for library in [install::shared(target, &folder), folder.join("bindings/unity/Plugins/x86_64/crumple_unity.dll")] {
         install::needs_windows_alone(&library)?;
     }
     let _found = wine.libraries(&[&folder.join("bin")]);
-    command(parts, &folder, runner)?;
-    client(parts, root, &folder, runner)?;
+    command(built, &folder, runner)?;
+    client(built, root, &folder, runner)?;
     let _only = pkg_config_finds(&folder);
     let (flags, program) = (ask(&["--cflags", "--libs"])?, root.join("quickstart.exe"));
     let (compiler, file) = (target.gnu("gcc"), folder.join("examples-c/quickstart.c"));
@@ -65,23 +64,22 @@ pub fn under_wine(parts: &Parts, archive: &Path, wine: &Wine) -> Result<()> {
 }
 
 /// Unpacks an archive, compares it with its manifest, and returns its folder.
-fn unpack(parts: &Parts, archive: &Path, root: &Path) -> Result<PathBuf> {
-    let target = &parts.library.target;
+fn unpack(built: &Built, archive: &Path, root: &Path) -> Result<PathBuf> {
     let _there = sh().push_dir(root);
     run!("cmake -E tar xf {archive}")?;
-    let folder = root.join(parts.name());
+    let folder = root.join(name_of(built));
     ensure!(fs::read_dir(root)?.count() == 1 && folder.is_dir(), "{} holds another folder", archive.display());
     let manifest: Value = serde_json::from_str(&read(&folder.join(manifest::FILE))?).context("reading the manifest")?;
     let files = manifest::entries(&folder)?;
     ensure!(manifest["files"] == Value::from(files), "{} is not what its manifest says", archive.display());
-    abi::exported(&folder.join("include"), &install::shared(target, &folder))?;
+    abi::exported(&folder.join("include"), &install::shared(&built.target, &folder))?;
     Ok(folder)
 }
 
 /// `runner` runs the command, if it is for another system.
-fn command(parts: &Parts, folder: &Path, runner: &[&str]) -> Result<()> {
-    let program = folder.join("bin").join(parts.library.target.program("crumple"));
-    ensure!(program.exists() == parts.flavour.command, "the {} flavour and its command do not fit", parts.flavour.name);
+fn command(built: &Built, folder: &Path, runner: &[&str]) -> Result<()> {
+    let program = folder.join("bin").join(built.target.program("crumple"));
+    ensure!(program.exists() == built.flavour.command, "the {} flavour and its command do not fit", built.flavour.name);
     if program.exists() {
         let hood = folder.join("assets/demo/hood.glb");
         let said = launch(runner, &program).arg("info").arg(hood).read()?;
@@ -91,12 +89,12 @@ fn command(parts: &Parts, folder: &Path, runner: &[&str]) -> Result<()> {
 }
 
 /// Runs the commands that the first page shows, which build the examples with the shared library.
-fn first_page(parts: &Parts, folder: &Path) -> Result<()> {
+fn first_page(built: &Built, folder: &Path) -> Result<()> {
     let page = read(&folder.join("README.md"))?;
     let _there = sh().push_dir(folder);
     let blocks: Vec<&str> = page.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
     ensure!(blocks.len() >= 2, "the first page has {} blocks of commands", blocks.len());
-    let slow = |block: &&str| !parts.handed_out && block.starts_with("bin/crumple");
+    let slow = |block: &&str| !built.handed_out && block.starts_with("bin/crumple");
     for block in blocks.into_iter().filter(|block| !slow(block)) {
         println!("{}", block.trim_end());
         silent!("sh -e -c {block}").context("typing what README.md says")?;
@@ -116,8 +114,8 @@ fn by_cmake(root: &Path, folder: &Path) -> Result<()> {
 }
 
 /// Builds and runs the user's project.
-fn client(parts: &Parts, root: &Path, folder: &Path, runner: &[&str]) -> Result<()> {
-    let (source, built, target) = (root.join("client"), root.join("client-build"), &parts.library.target);
+fn client(built: &Built, root: &Path, folder: &Path, runner: &[&str]) -> Result<()> {
+    let (source, built, target) = (root.join("client"), root.join("client-build"), &built.target);
     copy_tree(CLIENT, &source)?;
     let options = native::cross_options(target)?;
     let build = Build { options, cross: target.cross, ..Build::new("client", folder) };
@@ -130,7 +128,7 @@ fn client(parts: &Parts, root: &Path, folder: &Path, runner: &[&str]) -> Result<
 }
 
 /// pkg-config finds nothing but the archive while the result lives.
-fn pkg_config_finds<'a>(folder: &Path) -> [PushEnv<'static>; 2] {
+fn pkg_config_finds(folder: &Path) -> [PushEnv<'static>; 2] {
     [sh().push_env("PKG_CONFIG_LIBDIR", folder.join("lib/pkgconfig")), sh().push_env("PKG_CONFIG_PATH", "")]
 }
 
@@ -140,22 +138,20 @@ fn ask(arguments: &[&str]) -> Result<Vec<String>> {
     Ok(said.split_whitespace().map(str::to_owned).collect())
 }
 
-fn by_pkg_config(parts: &Parts, root: &Path, folder: &Path) -> Result<()> {
-    let library = parts.flavour.library;
+fn by_pkg_config(built: &Built, root: &Path, folder: &Path) -> Result<()> {
     let _found = pkg_config_finds(folder);
-    let ask = |arguments: &[&str]| ask(arguments);
     let version = ask(&["--modversion"])?.concat();
     ensure!(version == VERSION, "pkg-config says version {version}");
     let features = ask(&["--variable=features"])?;
-    ensure!(features == library, "pkg-config says the library was built with {features:?}");
+    ensure!(features == built.flavour.library, "pkg-config says the library was built with {features:?}");
 
     // The first page has the shared library. `--static` adds the system libraries. The file is named because the linker would take the
     // shared library beside it.
     for (compiler, file) in [("cc", folder.join("examples-c/quickstart.c")), ("c++", root.join("client/client.cpp"))] {
-        let (program, compile, archive) =
-            (root.join("fixed"), ask(&["--cflags"])?, ask(&["--variable=staticlibrary"])?);
+        let (program, compile) =
+            (root.join("fixed"), [ask(&["--cflags"])?, ask(&["--variable=staticlibrary"])?].concat());
         let libraries = ask(&["--libs", "--static"])?.into_iter().filter(|flag| flag != "-lcrumple");
-        run!("{compiler} {file} -o {program} {compile...} {archive...} {libraries...} -lm")?;
+        run!("{compiler} {file} -o {program} {compile...} {libraries...} -lm")?;
         run!("{program}")?;
     }
     Ok(())

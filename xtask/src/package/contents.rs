@@ -1,7 +1,6 @@
 //! The contents of an archive, and the places where engines look for the library in it.
 
 use super::licenses::{FILE as LICENSES, STANDARD_LIBRARY};
-use super::{Parts, markdown};
 use crate::prelude::*;
 
 /// Files and folders of the repository that archives hold under the same names.
@@ -36,22 +35,20 @@ const ENGINES: &[(&str, &str, &str, &str)] = &[
 ];
 
 /// Adds everything else to `folder`, which holds libraries, headers and licenses.
-pub fn copy_all(parts: &Parts, folder: &Path) -> Result<()> {
+pub fn copy_all(built: &Built, folder: &Path) -> Result<()> {
     // The installer puts licenses into share, for prefixes that many packages share.
-    fs::remove_dir_all(folder.join("share")).context("the installer leaves licenses")?;
+    sh().remove_path(folder.join("share"))?;
     let list = ["ls-files", "--error-unmatch", "--"].into_iter().chain(COPIED.split(' '));
     let listed = git(&list.collect::<Vec<_>>())?;
     for name in listed.lines().filter(|name| !LEFT_OUT.iter().any(|out| name.starts_with(out))) {
         copy(name, &folder.join(name))?;
     }
     copy(OVERVIEW.0, &folder.join(OVERVIEW.1))?;
-    readme(parts, folder)?;
-    for header in HEADERS.iter().chain(&["crumple.hpp"]) {
-        copy_into(&in_root(INCLUDE).join(header), &folder.join(UNREAL_HEADERS))?;
-    }
-    write(&folder.join(reference::PAGE), reference::page(&in_root(INCLUDE))?)?;
-    unity_plugin(parts, folder)?;
-    engines(parts, folder)?;
+    readme(built, folder)?;
+    copy_tree(INCLUDE, &folder.join(UNREAL_HEADERS))?;
+    write(&folder.join(reference::PAGE), reference::page(Path::new(INCLUDE))?)?;
+    unity_plugin(built, folder)?;
+    engines(built, folder)?;
     for page in files_of(folder, &["md"])? {
         markdown::copy_page(&page, page.parent().context("pages lie somewhere")?)?;
     }
@@ -59,32 +56,31 @@ pub fn copy_all(parts: &Parts, folder: &Path) -> Result<()> {
 }
 
 /// Writes the first page. A template line that begins with `slim|` or `full|` is for that flavour alone.
-fn readme(parts: &Parts, folder: &Path) -> Result<()> {
-    let (own, features) = (format!("{}|", parts.flavour.name), parts.flavour.library.join(", "));
+fn readme(built: &Built, folder: &Path) -> Result<()> {
+    let (own, features) = (format!("{}|", built.flavour.name), built.flavour.library.join(", "));
     let line = |line: &str| match line.strip_prefix(&own) {
         Some(line) => line.to_owned() + "\n",
         None if line.starts_with("slim|") || line.starts_with("full|") => String::new(),
         None => line.to_owned() + "\n",
     };
     let text: String = read(README)?.lines().map(line).collect();
-    let text = text.replace("@VERSION@", &VERSION).replace("@FEATURES@", &features);
-    write(&folder.join("README.md"), text.replace("@TARGET@", &parts.library.target.triple))
+    let text = text.replace("@VERSION@", VERSION).replace("@FEATURES@", &features);
+    write(&folder.join("README.md"), text.replace("@TARGET@", &built.target.triple))
 }
 
 /// Compiles Unity's renderer plugin against the packed library.
-fn unity_plugin(parts: &Parts, folder: &Path) -> Result<()> {
-    let target = &parts.library.target;
-    let source = folder.join(UNITY_NATIVE);
+fn unity_plugin(built: &Built, folder: &Path) -> Result<()> {
+    let (target, source) = (&built.target, folder.join(UNITY_NATIVE));
     // There is no plugin for macOS, where Unity draws with Metal.
     if target.is_macos() {
         return Ok(());
     }
     if !VULKAN_HEADERS.here() && cfg!(target_os = "linux") {
-        ensure!(!parts.handed_out, "Unity's plugin needs Vulkan's headers: on Debian, apt-get install libvulkan-dev");
+        ensure!(!built.handed_out, "Unity's plugin needs Vulkan's headers: on Debian, apt-get install libvulkan-dev");
         println!("Unity's plugin is left out");
         return Ok(());
     }
-    let directory = in_target(format!("package/{}/{}-unity", target.triple, parts.flavour.name));
+    let directory = in_target(format!("package/{}/{}-unity", target.triple, built.flavour.name));
     let mut options = native::cross_options(target)?;
     options.push("-DCRUMPLE_TESTS=OFF".to_owned());
     let build = Build { options, cross: target.cross, ..Build::new("package", folder) };
@@ -101,18 +97,15 @@ fn unity_plugin(parts: &Parts, folder: &Path) -> Result<()> {
     Ok(())
 }
 
-fn engines(parts: &Parts, folder: &Path) -> Result<()> {
-    let target = &parts.library.target;
-    let soname = abi::soname(&VERSION);
-    let fill = |path: &str| path.replace("@VERSION@", &VERSION).replace("@SONAME@", &soname);
-    for &(_, from, engine, to) in ENGINES.iter().filter(|engine| target.triple.contains(engine.0)) {
+fn engines(built: &Built, folder: &Path) -> Result<()> {
+    let fill = |path: &str| path.replace("@VERSION@", VERSION).replace("@SONAME@", &abi::soname(VERSION));
+    for &(_, from, engine, to) in ENGINES.iter().filter(|engine| built.target.triple.contains(engine.0)) {
         copy(&folder.join(fill(from)), &folder.join(engine).join(fill(to)))?;
     }
     // Unity warns about .meta files without a file: those of other systems' libraries.
-    let plugins = folder.join(UNITY).join("Plugins");
-    for settings in files_of(&plugins, &["meta"]).unwrap_or_default() {
+    for settings in files_of(folder.join(UNITY).join("Plugins"), &["meta"]).unwrap_or_default() {
         if !settings.with_extension("").exists() {
-            fs::remove_file(&settings).with_context(|| format!("removing {}", settings.display()))?;
+            sh().remove_path(&settings)?;
         }
     }
     Ok(())

@@ -2,7 +2,6 @@
 //! same, but would add 150 packages to the build of this helper, and it does not look into the libraries. The table of docs/reliability.md
 //! with all of them, and what must hold for them: cargo-deny checks the same and more, but takes longer to build than this repository.
 
-use super::{FULL, Flavour, Parts, SLIM};
 use crate::prelude::*;
 
 pub const FILE: &str = "THIRD-PARTY-LICENSES.txt";
@@ -34,49 +33,39 @@ pub struct Linked {
 }
 
 /// The packages that the flavour's library and command link. Procedural macros and build dependencies are not among them.
-pub fn linked(parts: &Parts) -> Result<Vec<Linked>> {
-    let (flavour, target) = (parts.flavour, &parts.library.target.triple);
-    let mut lines = library_tree(flavour, target)?;
-    if flavour.command {
-        let command = ["--package", "crumple", "--target", target, "--features", command::FEATURES];
-        lines.extend(tree(&command)?);
-    }
-    known(lines, &["--all-features"])
+pub fn linked(built: &Built) -> Result<Vec<Linked>> {
+    let target = built.target.triple.as_str();
+    let (library, command) =
+        (library_tree(built.flavour), format!("--package crumple --features {}", command::FEATURES));
+    let trees = [library, command].into_iter().take(if built.flavour.command { 2 } else { 1 });
+    known(trees.map(|tree| tree + " --target " + target), "--all-features")
 }
 
 /// The packages that the flavour's library links on any system.
 fn library(flavour: &Flavour) -> Result<Vec<Linked>> {
-    known(library_tree(flavour, "all")?, &["--all-features"])
+    known([library_tree(flavour) + " --target all"].into_iter(), "--all-features")
 }
 
-/// The packages that a binding of its own workspace links, for any of the targets.
-pub fn linked_of(manifest: &Path, targets: &[Target]) -> Result<Vec<Linked>> {
-    let manifest = ["--manifest-path", &manifest.to_string_lossy()];
-    let mut lines = Vec::new();
-    for target in targets {
-        lines.extend(tree(&[&manifest[..], &["--target", &target.triple]].concat())?);
+fn library_tree(flavour: &Flavour) -> String {
+    format!("--package crumple --no-default-features --features {}", flavour.library.join(","))
+}
+
+/// The packages that a binding of its own workspace, in a folder, links for any of the targets.
+pub fn linked_of(binding: &str, targets: &[Target]) -> Result<Vec<Linked>> {
+    let manifest = format!("--manifest-path {binding}/Cargo.toml");
+    known(targets.iter().map(|target| format!("{manifest} --target {}", target.triple)), &manifest)
+}
+
+/// The packages that calls of `cargo tree` name, with what `cargo metadata` knows of them. Ours are left out.
+fn known(trees: impl Iterator<Item = String>, metadata: &str) -> Result<Vec<Linked>> {
+    let mut lines = BTreeSet::new();
+    for tree in trees {
+        let (edges, form, arguments) = ("normal,no-proc-macro", "{p}", tree.split(' '));
+        let printed = said!("cargo tree --edges {edges} --prefix none --format {form} {arguments...}")?;
+        // Cargo marks packages that it has printed before.
+        lines.extend(printed.lines().map(|line| line.trim_end_matches(" (*)").to_owned()));
     }
-    known(lines, &manifest)
-}
-
-fn library_tree(flavour: &Flavour, target: &str) -> Result<Vec<String>> {
-    let features = flavour.library.join(",");
-    tree(&["--package", "crumple", "--target", target, "--no-default-features", "--features", &features])
-}
-
-/// `NAME vVERSION` and a path for each package that `cargo tree` names.
-fn tree(arguments: &[&str]) -> Result<Vec<String>> {
-    let format = ["tree", "--edges", "normal,no-proc-macro", "--prefix", "none", "--format", "{p}"];
-    let printed = cargo(&format).args(arguments).quiet().read()?;
-    // Cargo marks packages that it has printed before.
-    Ok(printed.lines().map(|line| line.trim_end_matches(" (*)").to_owned()).collect())
-}
-
-/// The packages of lines of `cargo tree`, with what `cargo metadata` knows of them. Ours are left out.
-fn known(mut lines: Vec<String>, metadata: &[&str]) -> Result<Vec<Linked>> {
-    lines.sort();
-    lines.dedup();
-    let packages = packages(metadata)?;
+    let packages = packages(&metadata.split(' ').collect::<Vec<_>>())?;
     let mut linked = Vec::new();
     for line in lines.iter().filter(|line| !line.starts_with("crumple")) {
         let mut words = line.split_whitespace();
@@ -136,110 +125,89 @@ pub fn write_all(linked: &[Linked], folder: &Path) -> Result<()> {
 /// Licenses whose texts are the same for everyone, with the texts. cbindgen has that of Mozilla.
 fn common() -> Result<[(&'static str, String); 2]> {
     let packages = packages(&[])?;
-    let cbindgen = packages.iter().find(|package| package["name"] == "cbindgen").context("cbindgen is a dependency")?;
-    let manifest = Path::new(cbindgen["manifest_path"].as_str().context("packages have manifests")?);
-    let mozilla = read(&manifest.with_file_name("LICENSE"))?;
+    let cbindgen = packages.iter().find(|package| package["name"] == "cbindgen");
+    let manifest =
+        cbindgen.and_then(|package| package["manifest_path"].as_str()).context("cbindgen is a dependency")?;
+    let mozilla = read(Path::new(manifest).with_file_name("LICENSE"))?;
     Ok([("Apache-2.0", read("LICENSE-APACHE")?), ("MPL-2.0", mozilla)])
 }
 
 /// The license texts of a package: its own files, or the supplied text, or a common one that it offers.
 fn texts_of(package: &Linked, supplied: &Path, common: &[(&str, String)]) -> Result<Vec<String>> {
-    let Linked { version, license, directory, repository, .. } = package;
+    let Linked { name: package, version, license, directory, repository, .. } = package;
     let mut texts = Vec::new();
-    let entries = fs::read_dir(directory).with_context(|| format!("reading {}", directory.display()))?;
-    let mut files: Vec<PathBuf> = entries.map(|entry| Ok(entry?.path())).collect::<Result<_>>()?;
-    files.sort();
-    for file in files.iter().filter(|file| file.is_file()) {
+    for file in files(directory)?.iter().filter(|file| file.parent() == Some(directory)) {
         let name = name(file)?.to_lowercase();
         if BEGINNINGS.iter().any(|beginning| name.starts_with(beginning)) {
             texts.push(read(file)?);
         }
     }
     texts.retain(|text| !text.trim().is_empty());
-    if !texts.is_empty() {
-        return Ok(texts);
-    }
     let own = repository.trim_end_matches(".git").rsplit('/').next().unwrap_or_default();
     let supplied = supplied.join(format!("{own}.txt"));
-    if supplied.exists() {
-        return Ok(vec![read(&supplied)?]);
+    if texts.is_empty() && supplied.exists() {
+        texts.push(read(&supplied)?);
+    } else if texts.is_empty() {
+        let known = common.iter().find(|(name, _)| offers(license, &[name])).with_context(|| {
+            format!(
+                "{package} {version} ({license}) is linked and was published without the text of its license; \
+                 put what its authors' repository has into {SUPPLIED}/{own}.txt"
+            )
+        })?;
+        texts.push(known.1.clone());
     }
-    let known = common.iter().find(|(name, _)| offers(license, &[name]));
-    let (_, text) = known.with_context(|| {
-        format!(
-            "{} {version} ({license}) is linked and was published without the text of its license; \
-             put what its authors' repository has into {SUPPLIED}/{own}.txt",
-            package.name
-        )
-    })?;
-    Ok(vec![text.clone()])
+    Ok(texts)
 }
 
 /// Fails if a library of an archive contains code of a package that is neither in `linked` nor, as `NAME-VERSION`, in `standard`. The
 /// source paths in panic messages name the packages. The tests' debug build of the command has the tests' features.
-pub fn nothing_unlicensed(parts: &Parts, folder: &Path, linked: &[Linked], standard: &[String]) -> Result<()> {
+pub fn nothing_unlicensed(built: &Built, folder: &Path, linked: &[Linked], standard: &[String]) -> Result<()> {
     let linked = linked.iter().map(|package| format!("{}-{}", package.name, package.version));
-    let known: BTreeSet<String> = linked.chain(standard.iter().cloned()).collect();
-    let (separators, mut libraries) = (b"/\\", 0);
-    let all = files(&folder.join("lib"))?.into_iter().chain(files(&folder.join("bin")).unwrap_or_default());
-    for file in all {
-        if !parts.handed_out && name(&file)? == parts.library.target.program("crumple") {
+    let (known, mut libraries) = (linked.chain(standard.iter().cloned()).collect::<BTreeSet<_>>(), 0);
+    for file in files(folder.join("lib"))?.into_iter().chain(files(folder.join("bin")).unwrap_or_default()) {
+        if !built.handed_out && name(&file)? == built.target.program("crumple") {
             continue;
         }
-        let bytes = bytes(&file)?;
-        let mut named = 0;
+        let (bytes, mut named) = (bytes(&file)?, false);
         for at in memmem::find_iter(&bytes, SOURCES) {
-            let Some((first, rest)) = bytes[at + SOURCES.len()..].split_first() else { continue };
-            let end = rest.iter().take(100).position(|byte| separators.contains(byte));
-            let Some(end) = end.filter(|_| separators.contains(first)) else { continue };
-            let package = String::from_utf8_lossy(&rest[..end]);
-            if !known.contains(&*package) {
-                bail!("{} holds code of {package}, which cargo tree does not say it is linked with", file.display());
-            }
-            named += 1;
+            // A slash of some system before the name, and one after it.
+            let rest = &bytes[at + SOURCES.len()..];
+            let mut parts = rest[..rest.len().min(102)].split(|byte| b"/\\".contains(byte));
+            let (Some([]), Some(package), Some(_)) = (parts.next(), parts.next(), parts.next()) else { continue };
+            let package = String::from_utf8_lossy(package);
+            let file = file.display();
+            ensure!(
+                known.contains(&*package),
+                "{file} holds code of {package}, which cargo tree does not say it links"
+            );
+            named = true;
         }
-        libraries += usize::from(named > 0);
+        libraries += usize::from(named);
     }
-    ensure!(libraries > 0, "no library names a source in {}: was it built for this?", SOURCES);
+    ensure!(libraries > 0, "no library names a source in {SOURCES}: was it built for this?");
     Ok(())
 }
 
 /// Compares the table in `page` with what Cargo says, or writes it.
 pub fn check_table(page: &str, fix: bool) -> Result<()> {
-    let full = library(&FULL)?;
-    let slim = library(&SLIM)?;
-    let slim: BTreeSet<&str> = slim.iter().map(|package| package.name.as_str()).collect();
-    let mut versions: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    let (full, slim) = (library(&FULL)?, library(&SLIM)?);
+    let mut names = BTreeSet::new();
     let mut table =
         String::from("| package | slim | license | kept at | lines with `unsafe` |\n|---|---|---|---|---|\n");
-    for package in &full {
-        ensure!(
-            offers(&package.license, ALLOWED),
-            "{} is under {}, which none of {ALLOWED:?} fulfils",
-            package.name,
-            package.license
-        );
-        ensure!(package.from_crates_io, "{} does not come from crates.io", package.name);
-        versions.entry(&package.name).or_default().push(&package.version);
-        table += &row(package, slim.contains(package.name.as_str()))?;
+    for Linked { name, version, license, repository, directory, from_crates_io } in &full {
+        ensure!(offers(license, ALLOWED), "{name} is under {license}, which none of {ALLOWED:?} fulfils");
+        ensure!(*from_crates_io, "{name} does not come from crates.io");
+        ensure!(names.insert(name), "{name} is linked in several versions");
+        let rust = files_of(directory.join("src"), &["rs"])?;
+        let lines = rust.iter().map(|file| Ok(unsafe_lines(&read(file)?))).sum::<Result<usize>>()?;
+        let home = repository.trim_start_matches("https://").trim_end_matches(".git").trim_end_matches('/');
+        let slim = if slim.iter().any(|package| package.name == *name) { "yes" } else { "no" };
+        let license = license.replace('/', " OR ");
+        table += &format!("| {name} {version} | {slim} | {license} | {home} | {lines} |\n");
     }
-    versions.retain(|_, versions| versions.len() > 1);
-    ensure!(versions.is_empty(), "linked in several versions: {versions:?}");
-
     repo::passage(fix, page, [BEGIN, END], &table)?;
     println!("{page} lists the {} packages that the library links; each may be shipped", full.len());
     Ok(())
-}
-
-fn row(package: &Linked, slim: bool) -> Result<String> {
-    let Linked { name, version, license, repository, directory, .. } = package;
-    let mut lines = 0;
-    for file in files_of(&directory.join("src"), &["rs"])? {
-        lines += unsafe_lines(&read(&file)?);
-    }
-    let home = repository.trim_start_matches("https://").trim_end_matches(".git").trim_end_matches('/');
-    let (slim, license) = (if slim { "yes" } else { "no" }, license.replace('/', " OR "));
-    Ok(format!("| {name} {version} | {slim} | {license} | {home} | {lines} |\n"))
 }
 
 /// Lines of code in which the keyword stands. Comments at the end of a line do not count, and neither does `unsafe_code`.

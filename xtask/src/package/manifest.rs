@@ -1,6 +1,5 @@
 //! `manifest.json`: the version, target, features and files of an archive, for programs.
 
-use super::Parts;
 use crate::prelude::*;
 use serde_json::json;
 use sha2::{Digest, Sha256};
@@ -8,12 +7,12 @@ use sha2::{Digest, Sha256};
 pub const FILE: &str = "manifest.json";
 
 /// Called last: the manifest lists every file but itself.
-pub fn write_of(parts: &Parts, folder: &Path) -> Result<()> {
-    let (flavour, linux) = (parts.flavour, parts.library.target.is_linux());
+pub fn write_of(built: &Built, folder: &Path) -> Result<()> {
+    let (flavour, linux) = (built.flavour, built.target.is_linux());
     let manifest = json!({
         "name": "crumple",
         "version": VERSION,
-        "target": parts.library.target.triple,
+        "target": built.target.triple,
         "flavour": flavour.name,
         "features": flavour.library,
         "command": flavour.command,

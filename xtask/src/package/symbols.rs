@@ -1,6 +1,5 @@
 //! Moves debug symbols out of the libraries and programs into a folder of their own.
 
-use super::Parts;
 use crate::prelude::*;
 
 const README: &str = "\
@@ -9,8 +8,8 @@ folder `.debug` there. On macOS put `NAME.dSYM` beside it, on Windows `NAME.pdb`
 ";
 
 /// Strips the libraries and programs in `folder`, and leaves their symbols in `debug`.
-pub fn separate(parts: &Parts, folder: &Path, debug: &Path) -> Result<()> {
-    let target = &parts.library.target;
+pub fn separate(built: &Built, folder: &Path, debug: &Path) -> Result<()> {
+    let target = &built.target;
     let (strip, objcopy) = (target.gnu("strip"), target.gnu("objcopy"));
     make(debug)?;
     write(&debug.join("README.txt"), README)?;
@@ -19,7 +18,7 @@ pub fn separate(parts: &Parts, folder: &Path, debug: &Path) -> Result<()> {
         let program = file.parent().is_some_and(|parent| parent.ends_with("bin"));
         if target.is_windows() && !target.is_mingw() {
             // The compiler puts symbols into a file beside the library or program.
-            let built = parts.library.shared.with_file_name(&name).with_extension("pdb");
+            let built = built.shared.with_file_name(&name).with_extension("pdb");
             if program && built.exists() {
                 copy_into(&built, debug)?;
             }
