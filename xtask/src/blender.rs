@@ -31,13 +31,9 @@ pub fn run(options: &Options) -> Result<()> {
     let wheel = python::build(true, &in_target("package/blender-wheel"))?;
     let archive = pack(&wheel, &in_root(&options.out))?;
     if options.picture {
-        let python = module(NEWEST)?;
-        let script = in_root(BINDING).join("examples/dent_car.py");
-        let picture = archive.with_file_name("car.png");
-        let home = in_target("blender-extension/home");
-        empty_directory(&home)?;
-        let _home = sh().push_env("BLENDER_USER_RESOURCES", &home);
-        silent!("{python} -B {script} {archive} {picture}")?;
+        let (python, picture) = (module(NEWEST)?, archive.with_file_name("car.png"));
+        let _home = sh().push_env("BLENDER_USER_RESOURCES", empty(in_target("blender-extension/home"))?);
+        silent!("{python} -B {BINDING}/examples/dent_car.py {archive} {picture}")?;
         println!("{}", picture.display());
     }
     Ok(())
@@ -55,10 +51,9 @@ pub fn stage() -> Result<()> {
         sh().push_env("CRUMPLE_EXAMPLES_PYTHON", &examples),
         sh().push_env("PYTHONDONTWRITEBYTECODE", "1"),
     ];
-    let tests = in_root(BINDING).join("tests/test_extension.py");
     for python in &pythons {
         empty_directory(&folder.join("home"))?;
-        run!("{python} {tests}")?;
+        run!("{python} {BINDING}/tests/test_extension.py")?;
     }
     if !XVFB.here() {
         return Ok(());
@@ -71,28 +66,24 @@ pub fn stage() -> Result<()> {
 
 /// A Python with Blender as its module `bpy`, as `bindings/blender/tests/NAME.txt` says. Installed on the first call.
 pub fn module(name: &str) -> Result<PathBuf> {
-    let requirements = format!("{BINDING}/tests/{name}.txt");
-    python::environment(PYTHON311, &format!("blender-{name}"), &requirements)
+    python::environment(PYTHON311, &format!("blender-{name}"), &format!("{BINDING}/tests/{name}.txt"))
 }
 
 /// Drives the panel, the hits and the heat map on a display without a screen. The picture lies beside the archive.
 fn window(program: &Path, folder: &Path, archive: &Path) -> Result<()> {
-    empty_directory(&folder.join("home"))?;
+    let (home, picture) = (empty(folder.join("home"))?, folder.join("window.png"));
     let (script, hood) = (in_root(BINDING).join("tests/window.py"), in_root("assets/demo/hood.glb"));
-    let picture = folder.join("window.png");
     let display = Display::start()?;
-    let options =
-        ["--gpu-backend", "vulkan", "--enable-event-simulate", "--factory-startup", "--python-use-system-env"];
-    let shown =
-        cmd!("timeout 150 {program} {options...} --python-exit-code 1 --python {script} -- {archive} {hood} {picture}");
-    let shown = shown.env("DISPLAY", &display.name).env("XDG_RUNTIME_DIR", folder.join("home"));
-    let shown = shown.ignore_status().output()?;
-    let text = [shown.stdout, shown.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).concat();
-    let good = shown.status.success() && text.contains("the window works") && !text.contains("Traceback");
+    let shown = cmd!(
+        "timeout 150 {program} --gpu-backend vulkan --enable-event-simulate --factory-startup --python-use-system-env
+         --python-exit-code 1 --python {script} -- {archive} {hood} {picture}"
+    );
+    let (ended, text) = ended(shown.env("DISPLAY", &display.name).env("XDG_RUNTIME_DIR", home))?;
+    let good = ended.success() && text.contains("the window works") && !text.contains("Traceback");
     if !good {
         println!("{text}");
     }
-    ensure!(good, "Blender's window does not work; it ends with {}", shown.status);
+    ensure!(good, "Blender's window does not work; it ends with {ended}");
     println!("{}", picture.display());
     Ok(())
 }
@@ -100,18 +91,17 @@ fn window(program: &Path, folder: &Path, archive: &Path) -> Result<()> {
 /// Packs the extension with the wheel into `out`.
 fn pack(wheel: &Path, out: &Path) -> Result<PathBuf> {
     // The archive has the folder that Blender gives the extension.
-    let stage = in_target("package/blender/crumple");
-    empty_directory(&stage)?;
+    let stage = empty(in_target("package/blender/crumple"))?;
     copy_sources(&format!("{BINDING}/extension"), &["."], &stage)?;
     copy_licenses(&stage)?;
-    markdown::copy_page(&in_root(BINDING).join("README.md"), &stage)?;
-    let name = name(wheel)?;
+    markdown::copy_page(&Path::new(BINDING).join("README.md"), &stage)?;
     copy_into(wheel, &stage.join("wheels"))?;
-    let manifest = read(&stage.join(MANIFEST))?;
-    let (before, after) = manifest.split_once("\n[permissions]").context("the manifest lacks [permissions]")?;
+    let (name, manifest) = (name(wheel)?, stage.join(MANIFEST));
     let system = system(&name).with_context(|| format!("Blender has no name for the system of {name}"))?;
-    let lines = format!("platforms = [\"{system}\"]\nwheels = [\"./wheels/{name}\"]\n");
-    write(&stage.join(MANIFEST), format!("{before}{lines}\n[permissions]{after}"))?;
+    let lines = format!("platforms = [\"{system}\"]\nwheels = [\"./wheels/{name}\"]\n\n[permissions]");
+    let text = read(&manifest)?;
+    ensure!(text.contains("[permissions]"), "{MANIFEST} lacks [permissions]");
+    write(manifest, text.replacen("[permissions]", &lines, 1))?;
     let path = out.join(format!("crumple-blender-{VERSION}-{system}.zip"));
     archive::write(&stage, &path)?;
     Ok(path)
@@ -120,12 +110,11 @@ fn pack(wheel: &Path, out: &Path) -> Result<PathBuf> {
 /// Blender's name for the system that a wheel is for.
 fn system(wheel: &str) -> Option<&'static str> {
     let arm = wheel.contains("arm64") || wheel.contains("aarch64");
-    match () {
-        () if wheel.contains("linux") && !arm => Some("linux-x64"),
-        () if wheel.contains("win") && !wheel.contains("darwin") => {
-            Some(if arm { "windows-arm64" } else { "windows-x64" })
-        }
-        () if wheel.contains("macosx") => Some(if arm { "macos-arm64" } else { "macos-x64" }),
-        () => None,
-    }
+    let known = [
+        ("linux", "linux-x64", None),
+        ("macosx", "macos-x64", Some("macos-arm64")),
+        ("win", "windows-x64", Some("windows-arm64")),
+    ];
+    let (.., plain, of_arm) = known.into_iter().find(|(name, ..)| wheel.contains(name))?;
+    if arm { of_arm } else { Some(plain) }
 }

@@ -30,30 +30,23 @@ pub fn run(options: &Options) -> Result<()> {
     make_car(&out)?;
     if options.picture {
         let python = blender::module(blender::NEWEST)?;
-        let (car, picture) = (out.join("car.glb"), out.join("car.png"));
-        let size = ["--size", "1000", "560", "--samples", "64"];
-        silent!("{python} {ASSETS}/draw_car.py {car} {picture} {size...}")?;
+        let picture = out.join("car.png");
+        silent!("{python} {ASSETS}/draw_car.py {out}/car.glb {picture} --size 1000 560 --samples 64")?;
         println!("{}", picture.display());
     }
     if options.examples {
-        examples(&out)?;
+        // From the car in `out`, with the Python package of this checkout.
+        let (python, _) = python::with_package(&in_target("car-wheel"))?;
+        run!("{python} -B -W ignore {ASSETS}/strike_car.py {out} {out}/hits")?;
+        run!("{python} -B {ASSETS}/example_car.py {out}/hits {ASSETS} {KEPT}")?;
+        run!("{python} -B {ASSETS}/example_car.py {out}/hits {out}")?;
     }
     Ok(())
 }
 
-/// Makes assets/car's examples from the car in `out`, with the Python package of this checkout.
-fn examples(out: &Path) -> Result<()> {
-    let (python, _) = python::with_package(&in_target("car-wheel"))?;
-    let hits = out.join("hits");
-    run!("{python} -B -W ignore {ASSETS}/strike_car.py {out} {hits}")?;
-    run!("{python} -B {ASSETS}/example_car.py {hits} {ASSETS} {KEPT}")?;
-    run!("{python} -B {ASSETS}/example_car.py {hits} {out}")
-}
-
 /// The car is made, and its files are as a car's should be and as glTF demands.
 pub fn stage() -> Result<()> {
-    let out = in_target("car");
-    empty_directory(&out)?;
+    let out = empty(in_target("car"))?;
     let python = make_car(&out)?;
     run!("{python} -B {ASSETS}/check_car.py {out}")?;
     if !NPM.here() {
@@ -96,12 +89,11 @@ pub fn demo_stage() -> Result<()> {
 
 fn show(program: &Path, out: &Path, options: &[String]) -> Result<()> {
     println!("\nA car before and after a crash; its examples are dents that a physics solver computed.");
-    let start = Instant::now();
     make(out)?;
+    let start = Instant::now();
     let dented = out.join("dented.glb");
-    let pictures = ["--join", "--size", "1280x560", "--png"];
-    let apply = cmd!("{program} apply {CAR} --impacts {CRASH} -o {dented} {pictures...} {out} {options...}");
-    let applied = apply.quiet().read()?;
+    let pictures = ["--size", "1280x560", "--png"];
+    let applied = said!("{program} apply {CAR} --impacts {CRASH} -o {dented} --join {pictures...} {out} {options...}")?;
     // A table with a line for each hit comes first. The summary follows the last empty line.
     println!("{}", applied.rsplit("\n\n").next().unwrap_or(&applied).trim_end());
     write(&out.join("report.txt"), format!("{applied}\n"))?;
@@ -114,11 +106,9 @@ fn show(program: &Path, out: &Path, options: &[String]) -> Result<()> {
 /// Writes what other programs need to draw the car and to dent it: `car.glb`, without examples and packing, and the baked `car.crumple`.
 /// `options` are further ones of both commands, such as `--moving`.
 pub fn lay_out(folder: &Path, options: &[&str]) -> Result<()> {
-    make(folder)?;
-    let program = command::tested()?;
-    let [car, set, none] = ["car.glb", "car.crumple", "impacts.json"].map(|name| folder.join(name));
-    silent!("{program} bake {CAR} --join --one-mesh {options...} -o {set}")?;
+    let (program, none) = (command::tested()?, folder.join("impacts.json"));
     write(&none, "[]")?;
-    silent!("{program} apply {CAR} --impacts {none} -o {car} --join {options...}")?;
-    fs::remove_file(&none).context("removing the list of no impacts")
+    silent!("{program} bake {CAR} --join --one-mesh {options...} -o {folder}/car.crumple")?;
+    silent!("{program} apply {CAR} --impacts {none} -o {folder}/car.glb --join {options...}")?;
+    Ok(sh().remove_path(none)?)
 }

@@ -163,16 +163,15 @@ impl Godot {
 
     /// Runs the engine and looks through its output.
     fn run(&self, settings: &str, arguments: &str) -> Result<()> {
-        let output = self.engine(settings, arguments)?.ignore_status().output()?;
-        let text = [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).concat();
+        let (ended, text) = ended(self.engine(settings, arguments)?)?;
         let leaks = settings.contains(RENDER_THREAD) || arguments.contains("--script");
         let theirs = |line: &&str| leaks && LEAKS.iter().any(|leak| line.contains(leak));
-        let bad = text.lines().filter(|line| BAD.iter().any(|bad| line.contains(bad)) && !theirs(line));
-        let bad: Vec<&str> = bad.collect();
-        if !output.status.success() || !bad.is_empty() {
+        let bad = |line: &&str| BAD.iter().any(|bad| line.contains(bad)) && !theirs(line);
+        let bad: Vec<&str> = text.lines().filter(bad).collect();
+        if !ended.success() || !bad.is_empty() {
             println!("{text}");
         }
-        ensure!(output.status.success(), "Godot ends with {}", output.status);
+        ensure!(ended.success(), "Godot ends with {ended}");
         ensure!(bad.is_empty(), "Godot reports: {}", bad.join("; "));
         text.lines().filter(|line| line.ends_with(" failed")).for_each(|line| println!("{line}"));
         Ok(())

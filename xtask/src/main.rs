@@ -82,13 +82,21 @@ enum Command {
     /// Make the release archives, for users without Rust
     Package(package::Options),
     /// Make the Python wheel for this system, with the library and the command inside
-    Wheel(python::Options),
+    Wheel {
+        /// Folder for the wheel
+        #[arg(long, value_name = "DIR", default_value = "out/wheel")]
+        out: PathBuf,
+    },
     /// Make the archive of the Godot extension
     Addon(godot::Options),
     /// Make the archive of the Blender extension, for this system
     Extension(blender::Options),
     /// Make the npm package and its page
-    Web(web::Options),
+    Web {
+        /// Folder for the package and the page
+        #[arg(long, value_name = "DIR", default_value = "out/web")]
+        out: PathBuf,
+    },
     /// Fuzz every door of the library, guided by coverage
     Fuzz(fuzz::Options),
     /// Run unit tests in Miri, which finds undefined behaviour; needs a nightly toolchain
@@ -150,10 +158,10 @@ fn run(command: Command) -> Result<()> {
         Command::Header { check, .. } => header::run(check),
         Command::Install { prefix, debug } => install::run(&prefix, if debug { "debug" } else { "release" }),
         Command::Package(options) => package::run(&options),
-        Command::Wheel(options) => python::run(&options),
+        Command::Wheel { out } => python::run(&out),
         Command::Addon(options) => godot::pack(&options),
         Command::Extension(options) => blender::run(&options),
-        Command::Web(options) => web::run(&options),
+        Command::Web { out } => web::run(&out),
         Command::Fuzz(options) => fuzz::run(&options),
         Command::Miri => nightly::miri(),
         Command::Msan => nightly::memory(),

@@ -21,52 +21,44 @@ const INSTALL: &str = "rustup toolchain install nightly --component rust-src,mir
 
 /// An error unless the toolchain has what all need; rustup is asked for it first.
 fn available() -> Result<()> {
-    let quiet = |command: xshell::Cmd| command.quiet().ignore_stderr().ignore_stdout().run();
+    let quiet = |command: Cmd| command.quiet().ignore_stderr().ignore_stdout().run();
     quiet(cmd!("rustup component add --toolchain nightly rust-src miri"))
         .and_then(|()| quiet(cmd!("rustup run nightly cargo miri --version")))
         .context(LeftOut::NotApplicable(format!("there is no nightly toolchain with the library's source: {INSTALL}")))
 }
 
-/// Runs the tests of threads under ThreadSanitizer, with a standard library that is instrumented too.
+/// Runs the tests of threads under ThreadSanitizer.
 pub fn threads() -> Result<()> {
-    available()?;
     sanitized("thread", &[&["--"][..], &THREADED].concat())
 }
 
 /// Builds what [`threads`] runs.
 pub fn build() -> Result<()> {
-    available()?;
     sanitized("thread", &["--no-run"])
 }
 
 /// Runs the unit tests and C programs under MemorySanitizer, which finds reads of memory that nobody wrote.
 pub fn memory() -> Result<()> {
-    available()?;
     sanitized("memory", &["--"])?;
-
     let (host, home) = (rustc_says("host")?, in_target("sanitizers/memory"));
-    let (flags, features) = (flags("memory"), "capi,gltf,obj,host-allocator");
-    let library = ["--package", "crumple", "--lib", "--crate-type", "staticlib", "--target", &host];
-    cmd!("rustup run nightly cargo rustc -Zbuild-std {library...} --no-default-features --features {features} --target-dir {home}"
-    )
-    .env("RUSTFLAGS", flags)
-    .run()?;
-    let library = home.join(&host).join("debug/libcrumple.a");
+    let library =
+        ["--package", "crumple", "--lib", "--crate-type", "staticlib", "--target", &host, "--no-default-features"];
+    let cargo = cmd!("rustup run nightly cargo rustc -Zbuild-std {library...} --features capi,gltf,obj,host-allocator");
+    cargo.arg("--target-dir").arg(&home).env("RUSTFLAGS", flags("memory")).run()?;
     let sysroot = said!("rustup run nightly rustc --print sysroot")?;
     let runtime = Path::new(&sysroot).join("lib/rustlib").join(&host).join("lib/librustc-nightly_rt.msan.a");
-    let (include, programs) = (in_root("include"), home.join("c"));
-    empty_directory(&programs)?;
+    let library = home.join(&host).join("debug/libcrumple.a");
+    let (root, programs) = (root(), empty(home.join("c"))?);
     let _there = sh().push_dir(&programs);
     for program in C_PROGRAMS.split(", ") {
         let program = program.replace("FIXTURES", &in_root("tests/fixtures").to_string_lossy());
         let mut words = program.split(' ');
         let name = words.next().unwrap_or_default();
-        let (source, object) = (in_root("tests/c").join(name).with_extension("c"), format!("{name}.o"));
         let c = ["-std=c99", "-O1", "-g", "-fsanitize=memory", "-fno-sanitize-memory-param-retval"];
-        run!("clang {c...} -D_POSIX_C_SOURCE=200809L -I {include} -c {source}")?;
+        run!("clang {c...} -D_POSIX_C_SOURCE=200809L -I {root}/include -c {root}/tests/c/{name}.c")?;
         // Rust's runtime, because clang's may be older than the compiler of the library.
         let rest = ["-Wl,--no-whole-archive", "-Wl,--export-dynamic", "-lm", "-lpthread", "-ldl", "-lrt", "-o", name];
-        run!("clang {object} {library} -Wl,--whole-archive {runtime} {rest...}")?;
+        run!("clang {name}.o {library} -Wl,--whole-archive {runtime} {rest...}")?;
         cmd!("./{name}").args(words).run()?;
     }
     Ok(())
@@ -74,16 +66,14 @@ pub fn memory() -> Result<()> {
 
 /// `cargo test` of the unit tests under a sanitizer, with a standard library that is instrumented too.
 fn sanitized(sanitizer: &str, what: &[&str]) -> Result<()> {
+    available()?;
     let (host, home) = (rustc_says("host")?, in_target("sanitizers").join(sanitizer));
     let arguments = ["-Zbuild-std", "--package", "crumple", "--lib", "--target", &host];
     // The tests take seconds, and optimising them takes a minute.
-    let fast = ["--config", "profile.dev.package.crumple.opt-level=0"];
-    cmd!("rustup run nightly cargo {fast...} test {arguments...} {FEATURES...} --target-dir {home} {what...}")
-        .env("CARGO_PROFILE_DEV_OPT_LEVEL", "0")
-        .env("RUSTFLAGS", flags(sanitizer))
-        .env("TSAN_OPTIONS", "halt_on_error=1")
-        .run()?;
-    Ok(())
+    let fast = ["--config", "profile.dev.package.crumple.opt-level=0", "--config", "profile.dev.opt-level=0"];
+    let test =
+        cmd!("rustup run nightly cargo {fast...} test {arguments...} {FEATURES...} --target-dir {home} {what...}");
+    Ok(test.env("RUSTFLAGS", flags(sanitizer)).env("TSAN_OPTIONS", "halt_on_error=1").run()?)
 }
 
 fn flags(sanitizer: &str) -> String {
@@ -95,21 +85,18 @@ fn flags(sanitizer: &str) -> String {
 /// Runs unit tests in Miri, which finds undefined behaviour that no processor shows.
 pub fn miri() -> Result<()> {
     available()?;
-    let home = in_target("miri");
-    let arguments = ["--package", "crumple", "--lib", "--target-dir"];
-    cmd!("rustup run nightly cargo miri test {arguments...} {home} {FEATURES...} -- {INTERPRETED...}")
-        // rayon keeps memory in the ends of its threads, and its pointers follow the rules of tree borrows only.
-        .env("MIRIFLAGS", "-Zmiri-disable-isolation -Zmiri-tree-borrows -Zmiri-ignore-leaks")
-        .env("PROPTEST_CASES", "4")
-        .run()?;
-    Ok(())
+    let (home, what) = (in_target("miri"), ["--package", "crumple", "--lib"]);
+    let test =
+        cmd!("rustup run nightly cargo miri test {what...} --target-dir {home} {FEATURES...} -- {INTERPRETED...}");
+    // rayon keeps memory in the ends of its threads, and its pointers follow the rules of tree borrows only.
+    let flags = "-Zmiri-disable-isolation -Zmiri-tree-borrows -Zmiri-ignore-leaks";
+    Ok(test.env("MIRIFLAGS", flags).env("PROPTEST_CASES", "4").run()?)
 }
 
 /// `cargo xtask schedules`: tests of threads with the locks of shuttle.
 pub fn schedules() -> Result<()> {
     // A folder of its own: the flag builds everything again.
-    let home = in_target("schedules");
-    let arguments = ["--package", "crumple", "--lib", "--no-default-features", "--target-dir"];
-    cmd!("cargo test {arguments...} {home} -- instance::schedules").env("RUSTFLAGS", "--cfg shuttle").run()?;
-    Ok(())
+    let (home, what) = (in_target("schedules"), ["--package", "crumple", "--lib", "--no-default-features"]);
+    let test = cmd!("cargo test {what...} --target-dir {home} -- instance::schedules");
+    Ok(test.env("RUSTFLAGS", "--cfg shuttle").run()?)
 }

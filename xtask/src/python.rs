@@ -12,18 +12,9 @@ const LICENSES: &[&str] =
     &["LICENSE-MIT", "LICENSE-APACHE", "THIRD-PARTY-LICENSES.txt", "RUST-STANDARD-LIBRARY-LICENSES.html"];
 const PIP: &[&str] = &["-m", "pip", "--quiet", "--disable-pip-version-check"];
 
-#[derive(Args)]
-pub struct Options {
-    /// Folder for the wheel
-    #[arg(long, value_name = "DIR", default_value = "out/wheel")]
-    out: PathBuf,
-}
-
 /// `cargo xtask wheel`: the wheel for this system, with the release library and command.
-pub fn run(options: &Options) -> Result<()> {
-    let wheel = build(true, &in_root(&options.out))?;
-    announce(&wheel)?;
-    Ok(())
+pub fn run(out: &Path) -> Result<()> {
+    announce(&build(true, &in_root(out))?)
 }
 
 /// Builds the wheel, installs it beside the packages that its tests need and nothing else, and runs the tests.
@@ -39,8 +30,7 @@ pub fn stage() -> Result<()> {
 /// command are those that tests have.
 pub fn with_package(out: &Path) -> Result<(PathBuf, PathBuf)> {
     let (python, wheel) = (tested_environment()?, build(false, out)?);
-    let install = ["install", "--no-index", "--no-deps", "--force-reinstall"];
-    run!("{python} {PIP...} {install...} {wheel}")?;
+    run!("{python} {PIP...} install --no-index --no-deps --force-reinstall {wheel}")?;
     Ok((python, wheel))
 }
 
@@ -54,18 +44,14 @@ pub fn build(handed_out: bool, out: &Path) -> Result<PathBuf> {
     // Laid out like an archive.
     let folder = package::full(handed_out)?;
     let python = tested_environment()?;
-    let source = in_target("python/source");
-    empty_directory(&source)?;
+    let source = empty(in_target("python/source"))?;
     empty_directory(out)?;
     copy_sources(PACKAGE, SOURCES, &source)?;
-    for license in LICENSES {
-        copy_into(&folder.join(license), &source)?;
-    }
+    LICENSES.iter().try_for_each(|license| copy_into(folder.join(license), &source))?;
     let (binaries, target) = (source.join("src/crumple/_bin"), Target::host()?);
     copy(&install::shared(&target, &folder), &binaries.join(target.shared()))?;
     copy_into(&folder.join("bin").join(target.program("crumple")), &binaries)?;
-    let build = ["wheel", "--no-build-isolation", "--no-deps", "--no-index", "--wheel-dir"];
-    run!("{python} {PIP...} {build...} {out} {source}")?;
+    run!("{python} {PIP...} wheel --no-build-isolation --no-deps --no-index --wheel-dir {out} {source}")?;
     match files(out)?.as_slice() {
         [wheel] => Ok(wheel.clone()),
         wheels => bail!("pip wrote {} files to {}; it should write one wheel", wheels.len(), out.display()),
@@ -76,10 +62,8 @@ pub fn build(handed_out: bool, out: &Path) -> Result<PathBuf> {
 pub fn environment(tool: Tool, name: &str, requirements: &str) -> Result<PathBuf> {
     let environment = in_target(name);
     let python = if cfg!(windows) { environment.join("Scripts/python.exe") } else { environment.join("bin/python") };
-    let path = in_root(requirements);
-    let (wanted, installed) = (read(&path)?, environment.join("installed.txt"));
-    let works = |python: &Path| cmd!("{python} --version").quiet().ignore_stdout().ignore_stderr().run().is_ok();
-    if read(&installed).is_ok_and(|have| have == wanted) && works(&python) {
+    let (wanted, installed) = (read(requirements)?, environment.join("installed.txt"));
+    if read(&installed).is_ok_and(|have| have == wanted) && silent!("{python} --version").is_ok() {
         return Ok(python);
     }
     tools::require(&[tool]).with_context(|| format!("{requirements} needs Python"))?;
@@ -87,7 +71,7 @@ pub fn environment(tool: Tool, name: &str, requirements: &str) -> Result<PathBuf
     empty_directory(&environment)?;
     let base = if tool == PYTHON3 { "python3" } else { "python3.11" };
     run!("{base} -m venv {environment}")?;
-    run!("{python} {PIP...} install --only-binary :all: -r {path}").with_context(|| {
+    run!("{python} {PIP...} install --only-binary :all: -r {requirements}").with_context(|| {
         let line = format!("{base} -m pip install -r {requirements}");
         LeftOut::Missing(format!("packages of Python cannot be had; to see why: {line}"))
     })?;

@@ -13,17 +13,10 @@ const DRAWN_WITH: &str = "LICENSE build/three.module.js build/three.core.js exam
                           examples/jsm/environments/RoomEnvironment.js examples/jsm/libs/meshopt_decoder.module.js \
                           examples/jsm/loaders/GLTFLoader.js examples/jsm/utils/BufferGeometryUtils.js";
 
-#[derive(Args)]
-pub struct Options {
-    /// Folder for the package and the page
-    #[arg(long, value_name = "DIR", default_value = "out/web")]
-    out: PathBuf,
-}
-
 /// `cargo xtask web`: the package in DIR/crumple, and the page around it.
-pub fn run(options: &Options) -> Result<()> {
+pub fn run(out: &Path) -> Result<()> {
     tools::require(&[WEB_RUST, LLVM, NPM])?;
-    let out = in_root(&options.out);
+    let out = in_root(out);
     lay_out(&node(&[THREE])?, &out)?;
     println!(
         "{0}/crumple is the package. Serve {0} and open it: python3 -m http.server --directory {0}",

@@ -2,7 +2,7 @@
 
 use crate::prelude::*;
 use std::ffi::OsString;
-use std::process::{Child, Command};
+use std::process::{Child, Command, ExitStatus};
 use std::sync::atomic::{AtomicBool, Ordering};
 use xshell::{Cmd, Shell};
 
@@ -185,6 +185,13 @@ impl Drop for Background {
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
+}
+
+/// Runs a program to its end. Returns how it ended, and what it printed.
+pub fn ended(command: Cmd) -> Result<(ExitStatus, String)> {
+    let output = command.ignore_status().output()?;
+    let text = [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
+    Ok((output.status, text.concat()))
 }
 
 /// The number of cores.
