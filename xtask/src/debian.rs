@@ -5,6 +5,12 @@ use crate::prelude::*;
 /// Signs the packages.
 const KEYS: &str = "/usr/share/keyrings/debian-archive-keyring.gpg";
 
+/// Options of `apt-get` that keep everything in a folder, @.
+const APT: &str = "Dir::Etc::sourcelist=@/sources.list Dir::State::lists=@/lists Dir::State::status=@/status \
+                   Dir::Cache::archives=@/debs Dir::Etc::sourceparts=/dev/null Dir::Cache::pkgcache= Dir::Cache::srcpkgcache= \
+                   Acquire::Languages=none Acquire::IndexTargets::deb::DEP-11::DefaultEnabled=false Acquire::Retries=3 \
+                   APT::Sandbox::User=root Debug::NoLocking=1";
+
 /// The program `name` of `packages`, unpacked with what they need below the target directory on the first call, unless the environment
 /// variable `own` names another. `environment` has more words for the program's `export`, in which `$R` is where the packages are.
 pub fn program(own: &str, folder: &str, packages: &[&str], name: &str, environment: &str) -> Result<PathBuf> {
@@ -26,47 +32,28 @@ pub fn program(own: &str, folder: &str, packages: &[&str], name: &str, environme
 fn fetch(folder: &Path, packages: &[&str], name: &str, environment: &str) -> Result<()> {
     let mirror = mirror()?;
     empty_directory(folder)?;
-    for part in ["lists/partial", "debs/partial", "root"] {
-        make(&folder.join(part))?;
-    }
-    fs::write(folder.join("sources.list"), format!("deb [signed-by={KEYS}] {mirror} sid main\n"))?;
-    fs::write(folder.join("status"), "")?;
-    let set = |key: &str, path: &str| format!("-o{key}={}", folder.join(path).display());
-    let options = [
-        set("Dir::Etc::sourcelist", "sources.list"),
-        set("Dir::State::lists", "lists"),
-        set("Dir::State::status", "status"),
-        set("Dir::Cache::archives", "debs"),
-        "-oDir::Etc::sourceparts=/dev/null".into(),
-        "-oDir::Cache::pkgcache=".into(),
-        "-oDir::Cache::srcpkgcache=".into(),
-        "-oAcquire::Languages=none".into(),
-        "-oAcquire::IndexTargets::deb::DEP-11::DefaultEnabled=false".into(),
-        "-oAcquire::Retries=3".into(),
-        "-oAPT::Sandbox::User=root".into(),
-        "-oDebug::NoLocking=1".into(),
-    ];
-    let options = &options;
+    ["lists/partial", "debs/partial", "root"].iter().try_for_each(|part| make(folder.join(part)))?;
+    write(folder.join("sources.list"), format!("deb [signed-by={KEYS}] {mirror} sid main\n"))?;
+    write(folder.join("status"), "")?;
+    let own = |option: &str| format!("-o{}", option.replace('@', &folder.to_string_lossy()));
+    let options = &APT.split_whitespace().map(own).collect::<Vec<_>>();
     cmd!("apt-get {options...} -qq update").run()?;
     let download = ["-qq", "-y", "--no-install-recommends", "--download-only", "install"];
     cmd!("apt-get {options...} {download...} {packages...}").ignore_stdout().run()?;
-    let root = folder.join("root");
-    for package in files_of(&folder.join("debs"), &["deb"])? {
-        run!("dpkg-deb -x {package} {root}")?;
+    for package in files_of(folder.join("debs"), &["deb"])? {
+        run!("dpkg-deb -x {package} {folder}/root")?;
     }
-    fs::remove_dir_all(folder.join("debs"))?;
+    sh().remove_path(folder.join("debs"))?;
     let script = format!(
-        "#!/bin/sh\nR={}; L=$R/usr/lib/x86_64-linux-gnu\nexport VK_DRIVER_FILES=$R/usr/share/vulkan/icd.d/lvp_icd.json \
+        "#!/bin/sh\nR={}/root; L=$R/usr/lib/x86_64-linux-gnu\nexport VK_DRIVER_FILES=$R/usr/share/vulkan/icd.d/lvp_icd.json \
          {environment}\nexec $L/ld-linux-x86-64.so.2 --library-path $L:$R/usr/lib:$L/pulseaudio:$L/blas:$L/lapack --argv0 \
          $R/usr/bin/{name} $R/usr/bin/{name} \"$@\"\n",
-        root.display()
+        folder.display()
     );
     // Written last, and under another name first: a broken fetch leaves no program.
-    let (unfinished, program) = (folder.join(format!("{name}.part")), folder.join(name));
-    fs::write(&unfinished, script)?;
-    run!("chmod +x {unfinished}")?;
-    fs::rename(&unfinished, &program)?;
-    Ok(())
+    write(folder.join("unfinished"), script)?;
+    run!("chmod +x {folder}/unfinished")?;
+    Ok(fs::rename(folder.join("unfinished"), folder.join(name))?)
 }
 
 /// The Debian mirror that this machine uses.

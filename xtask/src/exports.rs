@@ -36,8 +36,7 @@ pub fn validate(files: &[PathBuf]) -> Result<()> {
 /// What the exporter's tests write, and a body that the command dented.
 fn exported() -> Result<Vec<PathBuf>> {
     let (program, body) = (command::tested()?, "assets/demo/hood.glb");
-    let (directory, impacts) = (in_target("exported"), in_target("exported.json"));
-    empty_directory(&directory)?;
+    let (directory, impacts) = (empty(in_target("exported"))?, in_target("exported.json"));
     tests(&["--test", "export_gltf"]).env("CRUMPLE_EXPORTED", &directory).run()?;
     let written = files(&directory)?.len();
     ensure!(written > 10, "the exporter's tests wrote {written} files to {}", directory.display());
@@ -48,13 +47,10 @@ fn exported() -> Result<Vec<PathBuf>> {
 
 /// What other programs write is read, and everything that no dent reached is kept.
 pub fn of_others() -> Result<()> {
-    let exports = in_target("exports");
+    let exports = empty(in_target("exports"))?;
     export(&exports)?;
-    for options in ["", "--join"] {
-        let test = tests(&[]).env("CRUMPLE_SWEEP_REFUSED", REFUSED);
-        sweep(test, &exports, options)?;
-    }
-    Ok(())
+    let sweep = |options| sweep(tests(&[]).env("CRUMPLE_SWEEP_REFUSED", REFUSED), &exports, options);
+    ["", "--join"].into_iter().try_for_each(sweep)
 }
 
 /// Runs the sweep over a folder. `test` is a `cargo test` with its features, and `options` are for the commands.
@@ -65,25 +61,22 @@ pub fn sweep(test: Cmd, folder: &Path, options: &str) -> Result<()> {
 
 /// Each program writes into a folder of its own. All but Blender read what Blender wrote.
 fn export(exports: &Path) -> Result<()> {
-    let blender = blender::module(blender::NEWEST)?;
-    let trimesh = python::tested_environment()?;
-    let modules = tools::npm(&in_target("three"), &[THREE])?;
-    let godot = godot::engine()?;
-    empty_directory(exports)?;
-    let of = |name: &str| exports.join(name);
-    let (plain, plain_obj) = (of("blender/plain.glb"), of("blender/plain.obj"));
+    let (blender, trimesh) = (blender::module(blender::NEWEST)?, python::tested_environment()?);
+    let (modules, godot) = (tools::npm(&in_target("three"), &[THREE])?, godot::engine()?);
+    ["assimp", "godot"].iter().try_for_each(|name| make(exports.join(name)))?;
+    let plain = exports.join("blender/plain.glb");
     cmd!("{blender} {SCRIPTS}/blender.py {exports}/blender").ignore_stdout().ignore_stderr().run()?;
     cmd!("node {SCRIPTS}/three.mjs {modules} {plain} {exports}/three").run()?;
     cmd!("{trimesh} -B {SCRIPTS}/trimesh_files.py {plain} {exports}/trimesh").run()?;
-    fs::create_dir(of("assimp"))?;
     for (source, name, format) in
-        [(&plain, "plain.glb", "glb2"), (&plain, "plain.gltf", "gltf2"), (&plain_obj, "of_obj.glb", "glb2")]
+        [("plain.glb", "plain.glb", "glb2"), ("plain.glb", "plain.gltf", "gltf2"), ("plain.obj", "of_obj.glb", "glb2")]
     {
-        cmd!("assimp export {source} {exports}/assimp/{name} -f{format}").ignore_stdout().run()?;
+        cmd!("assimp export {exports}/blender/{source} {exports}/assimp/{name} -f{format}").ignore_stdout().run()?;
     }
-    fs::create_dir(of("godot"))?;
-    let (script, out) = (in_root(SCRIPTS).join("godot.gd"), of("godot/plain.glb"));
+    let script = in_root(SCRIPTS).join("godot.gd");
     let _home = godot::home(&exports.join("home"));
-    cmd!("timeout 120 {godot} --headless --script {script} -- {plain} {out}").ignore_stdout().run()?;
+    cmd!("timeout 120 {godot} --headless --script {script} -- {plain} {exports}/godot/plain.glb")
+        .ignore_stdout()
+        .run()?;
     Ok(())
 }

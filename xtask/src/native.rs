@@ -60,37 +60,38 @@ impl<'a> Build<'a> {
 
 /// Builds every project against an installed library and runs its tests. A project that fails does not hide the others.
 pub fn test_projects(build: &Build<'_>) -> Result<()> {
-    let jobs = jobs().to_string();
+    let left_out = [build.left_out].into_iter().filter(|names| !names.is_empty());
+    let left_out: Vec<&str> = left_out.flat_map(|names| ["--exclude-regex", names]).collect();
     let test = |project: &str, name: &str| -> Result<()> {
         let directory = in_target("ctest").join(build.kind).join(name);
-        compile(build, &in_root(project), &directory)?;
-        let tests = cmd!("ctest --test-dir {directory} --parallel {jobs} --output-on-failure --no-tests=error");
-        let left_out = [build.left_out].into_iter().filter(|names| !names.is_empty());
-        Ok(tests.args(left_out.flat_map(|names| ["--exclude-regex", names])).run()?)
+        compile(build, Path::new(project), &directory)?;
+        run_tests(&directory, &left_out)
     };
-    let results = build.projects.iter().map(|(project, name)| (*project, test(project, name)));
-    all_passed(results.collect())
+    all_passed(build.projects.iter().map(|(project, name)| (*project, test(project, name))).collect())
+}
+
+fn run_tests(directory: &Path, options: &[&str]) -> Result<()> {
+    let jobs = jobs().to_string();
+    let test = cmd!("ctest --test-dir {directory} --parallel {jobs} --output-on-failure --no-tests=error {options...}");
+    Ok(test.run()?)
 }
 
 /// Builds a project against an installed library.
 pub fn compile(build: &Build<'_>, source: &Path, directory: &Path) -> Result<()> {
     let Build { prefix, options, launcher, validation, .. } = build;
-    let jobs = jobs().to_string();
+    let (jobs, on) = (jobs().to_string(), |on: bool| if on { "ON" } else { "OFF" });
+    let drivers: Vec<_> = build.drivers.iter().map(|manifest| manifest.to_string_lossy()).collect();
+    let (drivers, validation) = (drivers.join(";"), on(*validation));
     // A program must not be left out if what it needs is installed.
-    let here = |tool: Tool| !build.cross && tool.here();
-    let ode = here(ODE).then_some("-DCRUMPLE_REQUIRE_ODE=ON");
-    let bullet = here(BULLET).then_some("-DCRUMPLE_REQUIRE_BULLET=ON");
-    let vulkan = (here(VULKAN_HEADERS) && here(PNG)).then_some("-DCRUMPLE_REQUIRE_VULKAN=ON");
-    let drivers: Vec<String> = build.drivers.iter().map(|manifest| manifest.display().to_string()).collect();
-    let drivers = format!("-DCRUMPLE_VULKAN_DRIVERS={}", drivers.join(";"));
-    let validation = format!("-DCRUMPLE_VULKAN_VALIDATION={}", if *validation { "ON" } else { "OFF" });
+    let here = |tools: &[Tool]| on(!build.cross && tools.iter().all(|tool| tool.here()));
+    let (ode, bullet, vulkan) = (here(&[ODE]), here(&[BULLET]), here(&[VULKAN_HEADERS, PNG]));
     silent!(
-        "cmake -S {source} -B {directory} -DCMAKE_PREFIX_PATH={prefix} -DCMAKE_BUILD_TYPE=RelWithDebInfo
-         {options...} {ode...} {bullet...} {vulkan...} {drivers} {validation}
+        "cmake -S {source} -B {directory} -DCMAKE_PREFIX_PATH={prefix} -DCMAKE_BUILD_TYPE=RelWithDebInfo {options...}
+         -DCRUMPLE_REQUIRE_ODE={ode} -DCRUMPLE_REQUIRE_BULLET={bullet} -DCRUMPLE_REQUIRE_VULKAN={vulkan}
+         -DCRUMPLE_VULKAN_DRIVERS={drivers} -DCRUMPLE_VULKAN_VALIDATION={validation}
          -DCMAKE_CROSSCOMPILING_EMULATOR={launcher} -DCMAKE_POLICY_DEFAULT_CMP0158=OLD --no-warn-unused-cli"
     )?;
-    cmd!("cmake --build {directory} --config RelWithDebInfo --parallel {jobs}").ignore_stdout().run()?;
-    Ok(())
+    Ok(cmd!("cmake --build {directory} --config RelWithDebInfo --parallel {jobs}").ignore_stdout().run()?)
 }
 
 pub fn ctest() -> Result<()> {
@@ -112,7 +113,7 @@ fn engine(build: &Build<'_>) -> Result<()> {
     let directory = in_target("ctest").join(build.kind).join("vsg");
     compile(build, &in_root("bindings/vsg"), &directory)?;
     if directory.join("vsg_hood").exists() {
-        return Ok(cmd!("ctest --test-dir {directory} --output-on-failure --no-tests=error").run()?);
+        return run_tests(&directory, &[]);
     }
     println!("bindings/vsg is left out: it needs VulkanSceneGraph in CMAKE_PREFIX_PATH, and libpng");
     Ok(())
@@ -125,13 +126,11 @@ pub fn one_driver() -> Result<Vec<PathBuf>> {
 
 /// Runs the C and C++ tests under gcc's sanitizers, against a debug build of the library, which has its own checks on.
 pub fn sanitizers() -> Result<()> {
-    let prefix = in_target("prefix-debug");
-    empty_directory(&prefix)?;
+    let prefix = empty(in_target("prefix-debug"))?;
     install::run(&prefix, "debug")?;
     let _asan = sh().push_env("ASAN_OPTIONS", "detect_leaks=1:strict_string_checks=1:detect_stack_use_after_return=1");
     let _ubsan = sh().push_env("UBSAN_OPTIONS", "print_stacktrace=1");
-    let sanitizers = in_root("tests/c/sanitizers.cmake");
-    let sanitizers = format!("-DCMAKE_PROJECT_INCLUDE={}", sanitizers.display());
+    let sanitizers = format!("-DCMAKE_PROJECT_INCLUDE={}", in_root("tests/c/sanitizers.cmake").display());
     // The validation layer leaks memory of its own; stage "ctest" runs with it.
     let (validation, drivers) = (false, one_driver()?);
     let build = Build { options: vec![sanitizers], validation, drivers, ..Build::new("sanitizers", &prefix) };
@@ -155,20 +154,17 @@ pub fn cross_options(target: &Target) -> Result<Vec<String>> {
 
 /// Vulkan's headers, which are the same everywhere, and an import library of Windows' loader.
 fn vulkan_for_windows() -> Result<(PathBuf, PathBuf)> {
-    let folder = in_target("windows-vulkan");
+    let folder = empty(in_target("windows-vulkan"))?;
     let (include, library) = (folder.join("include"), folder.join("libvulkan-1.a"));
-    empty_directory(&folder)?;
     let found = said!("pkg-config --variable=includedir vulkan")?;
-    let (mut names, declared) = (Vec::new(), Regex::new(r"VKAPI_CALL +(vk\w+)\(")?);
+    let (mut names, declared) = (BTreeSet::new(), Regex::new(r"VKAPI_CALL +(vk\w+)\(")?);
     for part in ["vulkan", "vk_video"] {
-        for file in files(&Path::new(&found).join(part))? {
+        for file in files(Path::new(&found).join(part))? {
             names.extend(declared.captures_iter(&read(&file)?).map(|found| found[1].to_owned()));
             copy_into(&file, &include.join(part))?;
         }
     }
     ensure!(names.len() >= 100, "{found}/vulkan declares {} functions; that cannot be all", names.len());
-    names.sort();
-    names.dedup();
-    install::import_library("vulkan-1.dll", &names, &library)?;
+    install::import_library("vulkan-1.dll", &Vec::from_iter(names), &library)?;
     Ok((include, library))
 }

@@ -23,31 +23,28 @@ pub struct Options {
 }
 
 pub fn run(options: &Options) -> Result<()> {
-    let prefix = native::release_prefix()?;
-    let build = Build::new("release", &prefix);
-    let directory = in_target("ctest/release/tests-c");
-    native::compile(&build, &in_root("tests/c"), &directory)?;
+    let (prefix, directory) = (native::release_prefix()?, in_target("ctest/release/tests-c"));
+    native::compile(&Build::new("release", &prefix), Path::new("tests/c"), &directory)?;
     if let Some(frames) = options.frames {
         return times(&directory, &frames.to_string());
     }
-    let seconds = options.hours.map_or(options.seconds, |hours| 3600.0 * hours).to_string();
-    let (bodies, seed) = (options.bodies.to_string(), options.seed.to_string());
-    let soak = directory.join("soak");
-    Ok(cmd!("{soak} {seconds} {bodies} {seed}").run()?)
+    let Options { bodies, seed, .. } = options;
+    let seconds = options.hours.map_or(options.seconds, |hours| 3600.0 * hours);
+    Ok(cmd!("{directory}/soak").args([seconds.to_string(), bodies.to_string(), seed.to_string()]).run()?)
 }
 
+/// On the last core, where the system has a command for that.
 fn times(directory: &Path, frames: &str) -> Result<()> {
-    one_core(&directory.join("times")).arg(frames).run()?;
-    let vulkan = directory.join("vulkan_times");
-    if !vulkan.exists() {
-        println!("Vulkan is left out: its headers are not installed");
-        return Ok(());
+    let (last, linux) = ((jobs() - 1).to_string(), cfg!(target_os = "linux"));
+    for name in ["times", "vulkan_times"] {
+        let program = directory.join(name);
+        if !program.exists() {
+            println!("Vulkan is left out: its headers are not installed");
+        } else if linux {
+            cmd!("taskset --cpu-list {last} {program} {frames}").run()?;
+        } else {
+            cmd!("{program} {frames}").run()?;
+        }
     }
-    Ok(one_core(&vulkan).arg(frames).run()?)
-}
-
-/// `program`, kept on the last core where the system has a command for that.
-fn one_core(program: &Path) -> Cmd<'static> {
-    let last = (std::thread::available_parallelism().map_or(1, usize::from) - 1).to_string();
-    if cfg!(target_os = "linux") { cmd!("taskset --cpu-list {last} {program}") } else { cmd!("{program}") }
+    Ok(())
 }

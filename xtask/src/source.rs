@@ -8,27 +8,23 @@ const REQUIREMENTS: &str = "xtask/package/requirements.txt";
 /// A program fetches the library's source with CMake, which builds it by Cargo. The same project installs the files that
 /// `cargo xtask install` does, and a program finds them.
 pub fn cmake() -> Result<()> {
-    let (prefix, directory) = (native::release_prefix()?, in_target("cmake"));
-    empty_directory(&directory)?;
-    let root = &root();
+    let (prefix, directory, root) = (native::release_prefix()?, empty(in_target("cmake"))?, root());
     // Cargo finds what the installer built.
     let _flags = sh().push_env("CARGO_ENCODED_RUSTFLAGS", anywhere()?.join("\u{1f}"));
-    let target = format!("-DCRUMPLE_CARGO_TARGET_DIR={}", target_folder().display());
-    let build = |source: &Path, name: &str, options: &[&str]| -> Result<PathBuf> {
-        let build = directory.join(name);
-        silent!("cmake -S {source} -B {build} {target} {options...}")?;
-        cmd!("cmake --build {build}").ignore_stdout().run()?;
-        Ok(build)
+    let target = target_folder();
+    let build = |source: &Path, name: &str, option: &str| -> Result<()> {
+        silent!("cmake -S {source} -B {directory}/{name} -DCRUMPLE_CARGO_TARGET_DIR={target} {option}")?;
+        Ok(cmd!("cmake --build {directory}/{name}").ignore_stdout().run()?)
     };
-    let library = build(root, "library", &[])?;
+    build(root, "library", "-DCRUMPLE_INSTALL=ON")?;
     let installed = directory.join("prefix");
-    cmd!("cmake --install {library} --prefix {installed}").ignore_stdout().run()?;
+    cmd!("cmake --install {directory}/library --prefix {installed}").ignore_stdout().run()?;
     same_files(&prefix, &installed)?;
     let fetched = format!("-DCRUMPLE_SOURCE={}", root.display());
     let found = format!("-DCMAKE_PREFIX_PATH={}", installed.display());
-    for (name, option) in [("fetched", &fetched), ("found", &found)] {
-        let client = build(&in_root(CLIENT), name, &[option])?;
-        cmd!("ctest --test-dir {client} --output-on-failure --no-tests=error").run()?;
+    for (name, option) in [("fetched", fetched), ("found", found)] {
+        build(Path::new(CLIENT), name, &option)?;
+        cmd!("ctest --test-dir {directory}/{name} --output-on-failure --no-tests=error").run()?;
     }
     Ok(())
 }
@@ -36,23 +32,18 @@ pub fn cmake() -> Result<()> {
 /// Conan builds the package of the recipe, and a program finds it.
 pub fn conan() -> Result<()> {
     let python = python::environment(PYTHON3, "conan-venv", REQUIREMENTS)?;
-    let root = &root();
-    let (conan, home) = (python.with_file_name("conan"), in_target("conan"));
-    empty_directory(&home)?;
+    let (conan, home, root) = (python.with_file_name("conan"), empty(in_target("conan"))?, root());
     // Conan builds the program where its source is.
     let client = home.join("client");
     copy_tree(CLIENT, &client)?;
     let _home = sh().push_env("CONAN_HOME", &home);
     // Cargo builds in a folder below, and finds the dependencies that the installer built. The library alone is another one, which is not
     // optimised: that would take a minute.
-    let cargo = home.join(".cargo");
-    fs::create_dir(&cargo)?;
-    fs::write(cargo.join("config.toml"), "[profile.release.package.crumple]\nopt-level = 0\n")?;
+    write(home.join(".cargo/config.toml"), "[profile.release.package.crumple]\nopt-level = 0\n")?;
     let _flags = sh().push_env("CARGO_ENCODED_RUSTFLAGS", anywhere()?.join("\u{1f}"));
-    let target = target_folder();
-    let target = target.display();
     // In the cache: CMake would prefer the default there to a plain variable.
-    let target = format!("{{'value': '{target}', 'cache': True, 'type': 'PATH', 'docstring': 'Cargo'}}");
+    let target =
+        format!("{{'value': '{}', 'cache': True, 'type': 'PATH', 'docstring': 'Cargo'}}", target_folder().display());
     let target = format!("tools.cmake.cmaketoolchain:extra_variables={{'CRUMPLE_CARGO_TARGET_DIR': {target}}}");
     cmd!("{conan} profile detect").quiet().ignore_stdout().ignore_stderr().run()?;
     cmd!("{conan} create {root} --test-folder {client} --conf {target}").ignore_stdout().run()?;

@@ -13,9 +13,8 @@ const IN_PART: &[&str] = &["--test=contacts", "--test=oracle_rules", "--test=pap
 const SLOW: &str = "^(vulkan_(faults|times)_|(refusals|allocator_static)$)";
 
 pub fn c() -> Result<()> {
-    let run = Run::new("c", "definite,possible")?;
-    let prefix = native::release_prefix()?;
-    let build = Build {
+    let (run, prefix) = (Run::new("c", "definite,possible")?, native::release_prefix()?);
+    run.judge(native::test_projects(&Build {
         // Stage "sanitizers" checks the programs of users and plugins: their calls are among those of the tests.
         projects: native::TESTS,
         validation: false,
@@ -23,8 +22,7 @@ pub fn c() -> Result<()> {
         drivers: native::one_driver()?,
         left_out: SLOW,
         ..Build::new("release", &prefix)
-    };
-    run.judge(native::test_projects(&build))
+    }))
 }
 
 pub fn rust() -> Result<()> {
@@ -49,31 +47,23 @@ struct Run {
 impl Run {
     /// `leaks`: the kinds of leaks that fail a program.
     fn new(name: &str, leaks: &str) -> Result<Self> {
-        let logs = in_target("valgrind").join(name);
-        empty_directory(&logs)?;
-        let log = format!("--log-file={}", logs.join("%p.log").display());
-        let known = format!("--suppressions={}", in_root("tests/c/valgrind.supp").display());
+        let logs = empty(in_target("valgrind").join(name))?;
+        let (log, known) = (logs.join("%p.log"), in_root("tests/c/valgrind.supp"));
+        let (log, known) = (format!("--log-file={}", log.display()), format!("--suppressions={}", known.display()));
         let leaks = format!("--errors-for-leak-kinds={leaks}");
         let command = ["valgrind", "--error-exitcode=99", "--leak-check=full", &leaks, &known, &log];
-        let command = command.map(str::to_owned).to_vec();
-        Ok(Self { logs, command })
+        Ok(Self { logs, command: command.map(str::to_owned).to_vec() })
     }
 
     /// Prints the logs with findings. Without any log the programs did not run under valgrind, which is an error.
     fn judge(&self, tests: Result<()>) -> Result<()> {
-        let mut programs = 0;
-        let mut with_findings = 0;
-        for log in files(&self.logs)? {
-            let log = read(&log)?;
-            // The log of a child that became another program (Blender, node) has no summary.
-            let Some(summary) = log.lines().find_map(|line| line.split("ERROR SUMMARY: ").nth(1)) else { continue };
-            programs += 1;
-            if !summary.starts_with("0 errors") {
-                with_findings += 1;
-                println!("{log}");
-            }
-        }
-        ensure!(with_findings == 0, "valgrind finds something in {with_findings} of {programs} programs");
+        let mut logs = files(&self.logs)?.iter().map(read).collect::<Result<Vec<_>>>()?;
+        // The log of a child that became another program (Blender, node) has no summary.
+        logs.retain(|log| log.contains("ERROR SUMMARY: "));
+        let programs = logs.len();
+        logs.retain(|log| !log.contains("ERROR SUMMARY: 0 errors"));
+        logs.iter().for_each(|log| println!("{log}"));
+        ensure!(logs.is_empty(), "valgrind finds something in {} of {programs} programs", logs.len());
         tests?;
         ensure!(programs > 0, "no program ran under valgrind");
         println!("valgrind finds nothing in {programs} programs");

@@ -196,7 +196,7 @@ pub fn ended(command: Cmd) -> Result<(ExitStatus, String)> {
 
 /// The number of cores.
 pub fn jobs() -> usize {
-    std::thread::available_parallelism().map_or(2, usize::from)
+    std::thread::available_parallelism().map_or(1, usize::from)
 }
 
 /// Runs named commands, `jobs` at a time. One that fails ends none of the others.
