@@ -13,20 +13,18 @@ pub fn stage() -> Result<()> {
     let mut releases = Vec::new();
     for path in files_of(RELEASED, &["h"])? {
         let version = path.file_stem().context("files have names")?.to_string_lossy().into_owned();
-        if soname(&version) == soname(&VERSION) {
+        if soname(&version) == soname(VERSION) {
             let numbers: Vec<u32> = version.split('.').filter_map(|number| number.parse().ok()).collect();
             releases.push((numbers, version, path));
         }
     }
     let Some((_, version, path)) = releases.into_iter().max() else {
-        bail!(LeftOut::NotApplicable(format!("{RELEASED} has no release of version {}", VERSION)));
+        bail!(LeftOut::NotApplicable(format!("{RELEASED} has no release of version {VERSION}")));
     };
     let scratch = tempfile::tempdir()?;
-    let (released, present) = (scratch.path().join("released"), scratch.path().join("present"));
-    stand_in(&read(&path)?, &released)?;
-    stand_in(&declarations::read(INCLUDE)?, &present)?;
-    let (known, released, present) = (in_root(SUPPRESSED), released.with_extension("so"), present.with_extension("so"));
-    run!("abidiff --no-added-syms --suppressions {known} {released} {present}").with_context(|| {
+    let released = stand_in(&read(&path)?, &scratch.path().join("released.so"))?;
+    let present = stand_in(&declarations::read(INCLUDE)?, &scratch.path().join("present.so"))?;
+    run!("abidiff --no-added-syms --suppressions {SUPPRESSED} {released} {present}").with_context(|| {
         format!("programs built against the headers of {version} do not fit these; docs/abi.md has the rules")
     })?;
     println!("the headers break nothing for programs built against {version}");
@@ -35,9 +33,8 @@ pub fn stage() -> Result<()> {
 
 /// Keeps the headers as those of a release of the present version.
 pub fn keep() -> Result<()> {
-    let text = declarations::read(INCLUDE)?;
+    let (text, file) = (declarations::read(INCLUDE)?, format!("{RELEASED}/{VERSION}.h"));
     let lines = text.lines().filter(|line| !line.trim().is_empty() && !line.trim_start().starts_with("//"));
-    let file = format!("{RELEASED}/{}.h", VERSION);
     write(&file, lines.flat_map(|line| [line, "\n"]).collect::<String>())?;
     println!("wrote {file}");
     Ok(())
@@ -51,14 +48,12 @@ pub fn soname(version: &str) -> String {
 
 /// A shared library whose functions do nothing, with debug information about the headers' types. abidiff cannot compare the libraries
 /// themselves: their debug information is of lines alone.
-fn stand_in(header: &str, at: &Path) -> Result<()> {
-    let mut text = format!("{header}\n");
-    for item in declarations::functions(header)? {
-        text += &format!("{} {{ for (;;) {{}} }}\n", item.text.trim_end_matches(';'));
-    }
-    let (source, library) = (at.with_extension("c"), at.with_extension("so"));
-    write(&source, text)?;
-    run!("cc -g -fPIC -shared {source} -o {library}")
+fn stand_in(header: &str, library: &Path) -> Result<PathBuf> {
+    let body = |item: Item| format!("{} {{ for (;;) {{}} }}\n", item.text.trim_end_matches(';'));
+    let (bodies, source) = (declarations::functions(header)?.into_iter().map(body), library.with_extension("c"));
+    write(&source, [header.to_owned(), "\n".to_owned()].into_iter().chain(bodies).collect::<String>())?;
+    run!("cc -g -fPIC -shared {source} -o {library}")?;
+    Ok(library.to_owned())
 }
 
 /// The names that a shared library exports.

@@ -96,7 +96,7 @@ fn show(program: &Path, out: &Path, options: &[String]) -> Result<()> {
     let applied = said!("{program} apply {CAR} --impacts {CRASH} -o {dented} --join {pictures...} {out} {options...}")?;
     // A table with a line for each hit comes first. The summary follows the last empty line.
     println!("{}", applied.rsplit("\n\n").next().unwrap_or(&applied).trim_end());
-    write(&out.join("report.txt"), format!("{applied}\n"))?;
+    write(out.join("report.txt"), format!("{applied}\n"))?;
     println!("  {:.1} s with reading, writing and pictures", start.elapsed().as_secs_f64());
     println!("  Look at {} and dented.glb beside it.", out.join("before_after.png").display());
     println!("  The hits are in {CRASH}, what each became in report.txt.");

@@ -162,8 +162,7 @@ fn form(text: &str) -> Result<(String, Form)> {
     if let Some([name, value, _]) = parts(r"^#define (\w+) +(.+)$")? {
         Ok((name, Form::Define(value)))
     } else if let Some([list, name, _]) = parts(r"^typedef enum \w+ \{ (.*?),? \} (\w+);$")? {
-        let variant =
-            |text: &str| Some(text.trim().split_once(" = ").map(|(name, value)| (name.into(), value.into()))?);
+        let variant = |text: &str| text.trim().split_once(" = ").map(|(name, value)| (name.into(), value.into()));
         let variants = list.split(',').map(variant).collect::<Option<_>>().context("an enumerator has no value")?;
         Ok((name, Form::Enum(variants)))
     } else if let Some([list, name, _]) = parts(r"^typedef struct \w+ \{ (.*); \} (\w+);$")? {

@@ -141,7 +141,7 @@ pub fn lay_out(built: &Built, prefix: &Path) -> Result<()> {
         let text = values.iter().fold(template, |text, (key, value)| text.replace(&format!("@CRUMPLE_{key}@"), value));
         ensure!(!text.contains("@CRUMPLE_"), "cmake/{name}.in asks for what the installer does not know");
         make(&directory)?;
-        write(&directory.join(name), text)?;
+        write(directory.join(name), text)?;
     }
     Ok(())
 }
@@ -153,12 +153,12 @@ fn copy_shared(built: &Built, prefix: &Path) -> Result<()> {
         // MinGW's compiler and Microsoft's link the same file.
         let import = "crumple.dll.lib";
         if !built.target.is_mingw() {
-            return copy_into(&shared.with_file_name(import), &lib);
+            return copy_into(shared.with_file_name(import), &lib);
         }
         make(&lib)?;
         import_library("crumple.dll", &abi::exports(shared)?, &lib.join(import))?;
         // The name that MinGW's linker finds for -lcrumple before the static library's.
-        return copy(&lib.join(import), &lib.join("libcrumple.dll.a"));
+        return copy(lib.join(import), &lib.join("libcrumple.dll.a"));
     }
     if built.target.is_macos() {
         return copy_into(shared, &lib);

@@ -40,23 +40,10 @@ pub struct BenchOptions {
 }
 
 /// Parts in their order: subcommands of `crumple-lab`, each with a script of lab/python that follows it, and its arguments.
-const MEASURED: &[(&str, &[&str])] = &[
-    ("accuracy", &[]),
-    ("told", &["surrogates.py"]),
-    ("learn", &[]),
-    ("contacts", &[]),
-    ("combine", &[]),
-    ("peers", &["mujoco_peer.py"]),
-    ("stability", &[]),
-    ("pictures", &[]),
-    ("looks", &[]),
-    ("speed", &[]),
-    ("scene", &[]),
-    ("crash", &["film.py", "crash"]),
-    ("crowd", &["film.py", "crowd"]),
-];
+const MEASURED: &str = "accuracy, told surrogates.py, learn, contacts, combine, peers mujoco_peer.py, stability, pictures, looks, speed, \
+                        scene, crash film.py crash, crowd film.py crowd";
 /// Parts that follow, each with its script, which gets the folder of what was measured.
-const SHOWN: &[(&str, &str)] = &[("charts", "draw.py"), ("report", "report.py")];
+const SHOWN: &str = "charts draw.py, report report.py";
 /// The benchmark of graphics devices that needs none.
 const COMPILED: &str = "compiled";
 
@@ -65,35 +52,32 @@ const JOLT: &str = "joltc-sys";
 const JOLT_VERSION: &str = "=0.3.1";
 
 pub fn run(options: &Options) -> Result<()> {
-    let names: Vec<&str> = MEASURED.iter().map(|part| part.0).chain(SHOWN.iter().map(|part| part.0)).collect();
+    let parts = |list: &'static str| list.split(", ").map(|part| part.split(' ').collect::<Vec<_>>());
+    let names: Vec<&str> = parts(MEASURED).chain(parts(SHOWN)).map(|part| part[0]).collect();
     for name in &options.only {
         ensure!(names.contains(&name.as_str()), "there is no part {name:?}; there are: {}", names.join(", "));
     }
-    let wanted = |name: &str| options.only.is_empty() || options.only.iter().any(|only| only == name);
+    let wanted = |part: &Vec<&str>| options.only.is_empty() || options.only.iter().any(|only| only == part[0]);
     let out = if options.quick { in_target("lab-quick") } else { in_root("docs/lab") };
     if options.quick && options.only.is_empty() {
         empty_directory(&out)?;
     }
-
-    let start = Instant::now();
+    let (start, quick) = (Instant::now(), options.quick.then_some("--quick"));
     let program = timed("build", || program(&["--all-features"]))?;
-    let python = timed("python", || python())?;
-    let alone = |name: &str| format!("part {name} failed; alone: cargo xtask lab --only {name}");
-    for (name, script) in MEASURED.iter().filter(|part| wanted(part.0)) {
-        timed(name, || {
-            let quick = options.quick.then_some("--quick");
-            let throws = (*name == "contacts").then(|| throws()).transpose()?;
-            let throws = throws.map(|folder| format!("--throws={}", folder.display()));
-            run!("{program} {name} {throws...} {quick...} --out {out}")?;
-            if let [script, arguments @ ..] = script {
-                run!("{python} -B lab/python/{script} {arguments...} {quick...} --out {out}")?;
-            }
-            Ok(())
-        })
-        .with_context(|| alone(name))?;
-    }
-    for (name, script) in SHOWN.iter().filter(|part| wanted(part.0)) {
-        timed(name, || run!("{python} -B lab/python/{script} {out}")).with_context(|| alone(name))?;
+    let python = timed("python", python)?;
+    let measure = |name: &str, script: &[&str]| -> Result<()> {
+        let throws = (name == "contacts").then(throws).transpose()?;
+        let throws = throws.map(|folder| format!("--throws={}", folder.display()));
+        run!("{program} {name} {throws...} {quick...} --out {out}")?;
+        let [script, arguments @ ..] = script else { return Ok(()) };
+        run!("{python} -B lab/python/{script} {arguments...} {quick...} --out {out}")
+    };
+    let show = |script: &str| run!("{python} -B lab/python/{script} {out}");
+    let measured = parts(MEASURED).filter(&wanted).map(|part| (part, true));
+    for (part, measured) in measured.chain(parts(SHOWN).filter(&wanted).map(|part| (part, false))) {
+        let name = part[0];
+        timed(name, || if measured { measure(name, &part[1..]) } else { show(part[1]) })
+            .with_context(|| format!("part {name} failed; alone: cargo xtask lab --only {name}"))?;
     }
     println!("== lab: {} after {:.0} s", out.display(), start.elapsed().as_secs_f64());
     Ok(())
@@ -114,27 +98,26 @@ pub fn bench(options: &BenchOptions) -> Result<()> {
 
 /// Measures graphics devices. A full run replaces their tables, and the charts and the page made from all tables.
 fn bench_devices(options: &BenchOptions) -> Result<()> {
-    let program = program(&["--features", "gpu"])?;
-    let out = in_root("docs/bench");
-    let asked = |what: &str| options.only.iter().any(|name| name == what);
+    let (program, out) = (program(&["--features", "gpu"])?, in_root("docs/bench"));
+    let asked = |what: &str| options.only.is_empty() || options.only.iter().any(|name| name == what);
     let (quick, whole) = (options.quick.then_some("--quick"), !options.quick && options.only.is_empty());
-    let library = if asked("library") || whole { stripped_library()? } else { None };
-    if asked(COMPILED) || options.only.is_empty() {
+    if asked(COMPILED) {
         let to = if options.quick { Vec::new() } else { vec!["--out".into(), out.clone()] };
         run!("{program} {COMPILED} {to...}")?;
     }
-    if asked(COMPILED) && options.only.len() == 1 {
+    let others: Vec<&String> = options.only.iter().filter(|name| *name != COMPILED).collect();
+    if others.is_empty() && !options.only.is_empty() {
         return Ok(());
     }
-    let only = options.only.iter().filter(|name| *name != COMPILED).flat_map(|name| ["--only", name]);
-    let device = options.device.iter().flat_map(|name| ["--device", name]);
+    let library = if whole || !options.only.is_empty() && asked("library") { stripped_library()? } else { None };
     let library = library.map(|file| format!("--library={}", file.display()));
+    let only = others.into_iter().flat_map(|name| ["--only", name]);
+    let device = options.device.iter().flat_map(|name| ["--device", name]);
     run!("{program} gpu {quick...} {only...} {device...} {library...} --out {out}")?;
     if whole {
         let python = python()?;
-        for script in ["draw.py", "gpu_report.py"] {
-            run!("{python} -B lab/python/{script} {out}")?;
-        }
+        run!("{python} -B lab/python/draw.py {out}")?;
+        run!("{python} -B lab/python/gpu_report.py {out}")?;
     }
     Ok(())
 }
@@ -145,11 +128,11 @@ fn stripped_library() -> Result<Option<PathBuf>> {
     cargo(&what).arg(SLIM.library.join(",")).run()?;
     let (target, folder) = (Target::host()?, empty(in_target("stripped"))?);
     let (library, stripped) = (target.directory("dist").join(target.shared()), folder.join(target.shared()));
-    match run!("strip -o {stripped} {library}") {
-        Ok(()) => return Ok(Some(stripped)),
-        Err(error) => println!("left out: the library's size, since it cannot be stripped ({error})"),
+    if let Err(error) = run!("strip -o {stripped} {library}") {
+        println!("left out: the library's size, since it cannot be stripped ({error})");
+        return Ok(None);
     }
-    Ok(None)
+    Ok(Some(stripped))
 }
 
 /// Builds the lab with these features and returns its program.

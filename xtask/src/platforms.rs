@@ -174,7 +174,7 @@ fn ask(folder: &Path, runner: &[&str], program: &Path) -> Result<()> {
     for (file, question) in QUESTIONS {
         let answer = launch(runner, program).args(*question).read()?.replace('\r', "");
         // Windows' separator.
-        write(&folder.join(file), times.replace_all(&answer, "_ ms").replace('\\', "/"))?;
+        write(folder.join(file), times.replace_all(&answer, "_ ms").replace('\\', "/"))?;
     }
     Ok(())
 }

@@ -49,8 +49,8 @@ pub fn build(handed_out: bool, out: &Path) -> Result<PathBuf> {
     copy_sources(PACKAGE, SOURCES, &source)?;
     LICENSES.iter().try_for_each(|license| copy_into(folder.join(license), &source))?;
     let (binaries, target) = (source.join("src/crumple/_bin"), Target::host()?);
-    copy(&install::shared(&target, &folder), &binaries.join(target.shared()))?;
-    copy_into(&folder.join("bin").join(target.program("crumple")), &binaries)?;
+    copy(install::shared(&target, &folder), &binaries.join(target.shared()))?;
+    copy_into(folder.join("bin").join(target.program("crumple")), &binaries)?;
     run!("{python} {PIP...} wheel --no-build-isolation --no-deps --no-index --wheel-dir {out} {source}")?;
     match files(out)?.as_slice() {
         [wheel] => Ok(wheel.clone()),

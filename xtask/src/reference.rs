@@ -14,7 +14,7 @@ pub fn page(include: &Path) -> Result<String> {
     let known: BTreeSet<&str> = all.iter().map(|item| item.name.as_str()).collect();
     let mut page = OPENING.to_owned();
     for file in HEADERS {
-        let header = read(&include.join(file))?;
+        let header = read(include.join(file))?;
         let opening = header.lines().map_while(|line| line.strip_prefix("//"));
         let opening: Vec<_> = opening.map(|line| line.strip_prefix(' ').unwrap_or(line)).collect();
         page += &format!("\n## {file}\n\n```text\n{}\n```\n", opening.join("\n").trim());

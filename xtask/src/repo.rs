@@ -127,9 +127,9 @@ fn unsafe_blocks(fix: bool) -> Result<()> {
 /// Vulkan, which need a device.
 fn called() -> Result<()> {
     let functions = declarations::functions(&declarations::read(declarations::INCLUDE)?)?;
-    let fuzzed = files(CALLS)?.iter().map(|file| read(file)).collect::<Result<String>>()?;
+    let fuzzed = files(CALLS)?.iter().map(read).collect::<Result<String>>()?;
     // With the headers that it includes.
-    let refusals = [REFUSALS, "tests/c/support.h", "tests/c/heap.h"].map(|path| read(path));
+    let refusals = [REFUSALS, "tests/c/support.h", "tests/c/heap.h"].map(read);
     let refusals = refusals.into_iter().collect::<Result<String>>()?;
     for (path, text, without) in [(CALLS, fuzzed, "\0"), (REFUSALS, refusals, "vulkan")] {
         let called = |name: &str| name.contains(without) || text.contains(&format!("{name}("));

@@ -2,7 +2,6 @@
 //! a room import each other without circles. Modules of tests inside `src` are exempt, and so is `lib.rs`.
 
 use crate::prelude::*;
-use proc_macro2::Ident;
 use syn::visit::{self, Visit};
 use syn::{Attribute, Item, ItemMod, ItemUse, UseTree, Visibility};
 
@@ -13,11 +12,8 @@ const ROOMS: &str = "base mesh basis predict example damage select bake deform c
 type Module = Vec<String>;
 
 pub fn run() -> Result<()> {
-    let root = in_root("src");
-    let sources = files_of(&root, &["rs"])?
-        .iter()
-        .map(|path| Ok((within(&root, path)?, read(path)?)))
-        .collect::<Result<Vec<_>>>()?;
+    let source = |path: &PathBuf| Ok((within(Path::new("src"), path)?, read(path)?));
+    let sources = files_of("src", &["rs"])?.iter().map(source).collect::<Result<Vec<_>>>()?;
     let findings = check(&sources)?;
     findings.iter().for_each(|finding| println!("{finding}"));
     ensure!(findings.is_empty(), "{} imports of src break the order of the rooms", findings.len());
@@ -27,37 +23,31 @@ pub fn run() -> Result<()> {
 
 /// What breaks the order in `sources`, pairs of a path below `src` and a text.
 fn check(sources: &[(String, String)]) -> Result<Vec<String>> {
-    let mut tree = Tree::default();
-    let mut parsed = Vec::new();
+    let (mut tree, mut parsed) = (Tree::default(), Vec::new());
     for (name, text) in sources {
-        let file = syn::parse_file(text).with_context(|| format!("reading src/{name}"))?;
-        let module = module_of(name);
+        let (module, file) = (module_of(name), syn::parse_file(text).with_context(|| format!("reading src/{name}"))?);
         tree.add(name, &module, &file.items);
-        parsed.push((name, module, file));
+        parsed.push((name.as_str(), module, file));
     }
-    let mut arrows = BTreeMap::new();
+    parsed.retain(|(name, module, _)| *name != "lib.rs" && !tree.tests.iter().any(|test| module.starts_with(test)));
+    let (mut arrows, mut findings) = (BTreeMap::new(), Vec::new());
     for (name, module, file) in &parsed {
-        if name.as_str() != "lib.rs" && !tree.tests.iter().any(|test| module.starts_with(test)) {
-            let mut imports = Imports { tree: &tree, name, module: module.clone(), arrows: &mut arrows };
-            imports.visit_file(file);
+        Imports { tree: &tree, name, module: module.clone(), arrows: &mut arrows }.visit_file(file);
+        if level(name).is_none() {
+            findings.push(format!("src/{name}: is in no room"));
         }
     }
-    let mut findings = Vec::new();
-    for (name, ..) in parsed.iter().filter(|(name, ..)| name.as_str() != "lib.rs" && level(name).is_none()) {
-        findings.push(format!("src/{name}: is in no room"));
-    }
+    let inside = || arrows.iter().filter(|((from, to), _)| room(from) == room(to));
     for ((from, to), (line, path)) in &arrows {
         if room(from) != room(to) && level(from) <= level(to) {
             findings.push(format!("src/{from}:{line}: {} may not import from {}: {path}", room(from), room(to)));
         }
     }
-    let inside = || arrows.iter().filter(|((from, to), _)| room(from) == room(to));
-    let mut next: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
-    inside().for_each(|((from, to), _)| next.entry(from).or_default().push(to));
     for ((from, to), (line, path)) in inside() {
         let (mut reached, mut left) = (BTreeSet::new(), vec![*to]);
         while let Some(file) = left.pop() {
-            left.extend(next.get(file).into_iter().flatten().filter(|file| reached.insert(**file)));
+            let next = inside().filter(|((from, _), _)| *from == file).map(|((_, to), _)| *to);
+            left.extend(next.filter(|file| reached.insert(*file)));
         }
         if reached.contains(from) {
             findings.push(format!("src/{from}:{line}: a circle of imports leads through src/{to}: {path}"));
@@ -95,7 +85,7 @@ impl<'a> Tree<'a> {
             match item {
                 Item::Use(item) if !for_tests(&item.attrs) => {
                     let leaves = leaves(&item.tree, &[]).into_iter();
-                    self.names.extend(leaves.map(|leaf| ((module.clone(), leaf.name), leaf.path)));
+                    self.names.extend(leaves.map(|(path, name, _)| ((module.clone(), name), path)));
                 }
                 Item::Mod(item) => {
                     let inner = [module.as_slice(), &[item.ident.to_string()]].concat();
@@ -169,7 +159,7 @@ impl<'ast> Visit<'ast> for Imports<'_, '_> {
     fn visit_item_use(&mut self, item: &'ast ItemUse) {
         // A re-export is no import: whoever uses the name imports from where it leads.
         if matches!(item.vis, Visibility::Inherited) && !for_tests(&item.attrs) {
-            leaves(&item.tree, &[]).iter().for_each(|leaf| self.arrow(&leaf.path, leaf.line));
+            leaves(&item.tree, &[]).iter().for_each(|(path, _, line)| self.arrow(path, *line));
         }
     }
 
@@ -212,33 +202,24 @@ fn for_tests(attributes: &[Attribute]) -> bool {
     attributes.iter().any(test)
 }
 
-/// A path of a `use`, and the name that it gets.
-struct Leaf {
-    path: Vec<String>,
-    name: String,
-    line: usize,
-}
+/// A path of a `use`, the name that it gets, and its line.
+type Leaf = (Vec<String>, String, usize);
 
 /// Every path of a `use` below `above`.
 fn leaves(tree: &UseTree, above: &[String]) -> Vec<Leaf> {
-    let leaf = |own: &Ident, name: &Ident| {
-        let mut path = above.to_vec();
-        if own != "self" || above.is_empty() {
-            path.push(own.to_string());
-        }
-        let name = if name == "self" { path.last().cloned().unwrap_or_default() } else { name.to_string() };
-        vec![Leaf { path, name, line: own.span().start().line }]
+    let (own, name) = match tree {
+        UseTree::Path(part) => return leaves(&part.tree, &[above, &[part.ident.to_string()]].concat()),
+        UseTree::Group(group) => return group.items.iter().flat_map(|tree| leaves(tree, above)).collect(),
+        UseTree::Glob(star) => return vec![(above.to_vec(), "*".to_owned(), star.star_token.spans[0].start().line)],
+        UseTree::Name(last) => (&last.ident, &last.ident),
+        UseTree::Rename(last) => (&last.ident, &last.rename),
     };
-    match tree {
-        UseTree::Path(part) => leaves(&part.tree, &[above, &[part.ident.to_string()]].concat()),
-        UseTree::Group(group) => group.items.iter().flat_map(|tree| leaves(tree, above)).collect(),
-        UseTree::Name(last) => leaf(&last.ident, &last.ident),
-        UseTree::Rename(last) => leaf(&last.ident, &last.rename),
-        UseTree::Glob(star) => {
-            let line = star.star_token.spans[0].start().line;
-            vec![Leaf { path: above.to_vec(), name: "*".to_owned(), line }]
-        }
+    let mut path = above.to_vec();
+    if own != "self" || above.is_empty() {
+        path.push(own.to_string());
     }
+    let name = if name == "self" { path.last().cloned().unwrap_or_default() } else { name.to_string() };
+    vec![(path, name, own.span().start().line)]
 }
 
 /// That good imports are found good, the stage itself shows.

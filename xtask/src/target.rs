@@ -98,7 +98,7 @@ impl Target {
         if self.has_standard_library() {
             return Ok(Vec::new());
         }
-        let lock = read(&Path::new(DEBIAN_SOURCE).join("Cargo.lock"))?;
+        let lock = read(Path::new(DEBIAN_SOURCE).join("Cargo.lock"))?;
         let package = Regex::new("name = \"(.+)\"\nversion = \"(.+)\"")?;
         Ok(package.captures_iter(&lock).map(|found| format!("{}-{}", &found[1], &found[2])).collect())
     }

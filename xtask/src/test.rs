@@ -115,16 +115,14 @@ const STAGES: &[Stage] = stages! {
 
 /// Runs the stages that `options` choose. A stage that is not everybody's always runs whole; those that are run whole with `--all`.
 pub fn run(options: &Options) -> Result<()> {
-    let every = || CHECKS.iter().chain(STAGES);
+    let every: Vec<&Stage> = CHECKS.iter().chain(STAGES).collect();
+    let names: Vec<&str> = every.iter().map(|stage| stage.name).collect();
     for name in &options.only {
-        if !every().any(|stage| stage.name == name) {
-            let names: Vec<&str> = every().map(|stage| stage.name).collect();
-            bail!("there is no stage {name:?}; there are: {}", names.join(", "));
-        }
+        ensure!(names.contains(&name.as_str()), "there is no stage {name:?}; there are: {}", names.join(", "));
     }
     let everybodys = |stage: &&Stage| FOR_EVERYBODY.contains(&stage.name);
     let stages: Vec<&Stage> = match (options.only.is_empty(), options.all) {
-        (false, _) => every().filter(|stage| options.only.iter().any(|name| name == stage.name)).collect(),
+        (false, _) => every.into_iter().filter(|stage| options.only.iter().any(|name| name == stage.name)).collect(),
         (true, true) => STAGES.iter().collect(),
         (true, false) => STAGES.iter().filter(everybodys).collect(),
     };
@@ -141,26 +139,20 @@ pub fn ci(fail_fast: bool) -> Result<()> {
     stage::run_all(&stages, Rules { require_all: true, fail_fast, retry: true, tidy: true, ahead: true })
 }
 
-/// Compiles what stages need in target folders of their own, in their order. A stage finds it ready, or waits for Cargo's lock.
+/// Compiles what stages need in target folders of their own, in their order. A stage finds it ready, or waits for Cargo's lock, and
+/// says again what fails.
 pub fn ahead() -> Result<()> {
-    let builds: [fn() -> Result<()>; 5] =
-        [godot::build, web::build, fuzz::build_for_stage, nightly::build, platforms::build];
-    for build in builds {
-        // The stage says again what fails.
-        let _ = build();
-    }
+    let builds = [godot::build, web::build, fuzz::build_for_stage, nightly::build, platforms::build];
+    builds.iter().for_each(|build| drop(build()));
     Ok(())
 }
 
 fn rust() -> Result<()> {
     // Stage "vulkan" runs these tests with drivers.
     let library = tests(&[]).env("VK_DRIVER_FILES", in_root("no-driver")).run();
-    let mut results = vec![("the library", library.map_err(Into::into))];
-    if all() {
-        let helper = cargo(&["test", "--profile", "xtask", "--package", "xtask"]).run();
-        results.push(("xtask", helper.map_err(Into::into)));
-    }
-    stage::all_passed(results)
+    let helper = || cargo(&["test", "--profile", "xtask", "--package", "xtask"]).run();
+    let helper = if all() { helper() } else { Ok(()) };
+    all_passed(vec![("the library", library.map_err(Into::into)), ("xtask", helper.map_err(Into::into))])
 }
 
 fn documentation() -> Result<()> {

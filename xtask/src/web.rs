@@ -63,9 +63,9 @@ fn lay_out(modules: &Path, out: &Path) -> Result<()> {
     let module = web.directory("release").join("crumple_web.wasm");
     copy(&module, &package.join("crumple.wasm"))?;
     licenses::write_all(&licenses::linked_of(PACKAGE, &[web])?, &package)?;
-    copy_tree(&in_root(PACKAGE).join("demo"), out)?;
+    copy_tree(in_root(PACKAGE).join("demo"), out)?;
     for file in DRAWN_WITH.split(' ') {
-        copy(&modules.join("three").join(file), &out.join("three").join(file))?;
+        copy(modules.join("three").join(file), &out.join("three").join(file))?;
     }
     car::lay_out(out, &[])
 }

@@ -27,7 +27,7 @@ impl Wine {
         let supplied = folder.join("supplied");
         empty_directory(&folder)?;
         empty_directory(&supplied)?;
-        empty_directory(&folder.join("prefix"))?;
+        empty_directory(folder.join("prefix"))?;
         let (gcc, source) = (Target::other(WINDOWS).gnu("gcc"), in_root(SUPPLIED));
         let library = supplied.join("bcryptprimitives.dll");
         run!("{gcc} -shared {source} -o {library} -ladvapi32")?;

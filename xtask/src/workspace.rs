@@ -145,20 +145,17 @@ pub fn copy_licenses(to: &Path) -> Result<()> {
     ["LICENSE-MIT", "LICENSE-APACHE"].iter().try_for_each(|license| copy_into(license, to))
 }
 
-/// The packages and features of this run's test builds.
-fn tested() -> impl Iterator<Item = &'static str> {
-    if all() { ALL_TESTED } else { TESTED }.split(' ')
-}
-
 /// `cargo build` with the features of the tests; `arguments` choose what to build. A test is built along: without one Cargo leaves
 /// out the features that dev-dependencies enable, and the next test would build everything again.
 pub fn build_as_tested(arguments: &[&str]) -> Cmd<'static> {
-    cargo(&["build"]).args(tested()).args(arguments).args(["--test", "paper_equations"])
+    let tested = if all() { ALL_TESTED } else { TESTED }.split(' ');
+    cmd!("cargo build {tested...} {arguments...} --test paper_equations")
 }
 
 /// `cargo test` of the Rust code, or of the part that `arguments` choose. A test program that fails does not hide the others.
 pub fn tests(arguments: &[&str]) -> Cmd<'static> {
-    cargo(&["test", "--no-fail-fast"]).args(tested()).args(arguments)
+    let tested = if all() { ALL_TESTED } else { TESTED }.split(' ');
+    cmd!("cargo test --no-fail-fast {tested...} {arguments...}")
 }
 
 /// The compiler that Cargo calls.
@@ -170,11 +167,9 @@ pub fn rustc() -> OsString {
 pub const SOURCES: &str = "/cargo/registry";
 
 pub fn cargo_home() -> Result<PathBuf> {
-    if let Some(home) = std::env::var_os("CARGO_HOME") {
-        return Ok(home.into());
-    }
-    let home = std::env::home_dir().context("there is neither CARGO_HOME nor a home directory")?;
-    Ok(home.join(".cargo"))
+    let own = std::env::var_os("CARGO_HOME").map(PathBuf::from);
+    let home = || std::env::home_dir().map(|home| home.join(".cargo"));
+    own.or_else(home).context("there is neither CARGO_HOME nor a home directory")
 }
 
 /// A process that ends when this is dropped.
@@ -203,15 +198,12 @@ pub fn jobs() -> usize {
 pub fn side_by_side(jobs: usize, mut commands: Vec<(String, Command)>) -> Result<()> {
     let mut failed = Vec::new();
     for some in commands.chunks_mut(jobs.max(1)) {
-        let running = some.iter_mut().map(|(name, command)| {
-            let started = command.spawn().with_context(|| format!("starting {name}"))?;
-            Ok((&*name, started))
-        });
-        for (name, mut child) in running.collect::<Result<Vec<_>>>()? {
+        let start = |(name, command): &mut (String, Command)| {
+            Ok((name.clone(), command.spawn().with_context(|| format!("starting {name}"))?))
+        };
+        for (name, mut child) in some.iter_mut().map(start).collect::<Result<Vec<_>>>()? {
             let ended = child.wait()?;
-            if !ended.success() {
-                failed.push(format!("{name} ends with {ended}"));
-            }
+            failed.extend((!ended.success()).then(|| format!("{name} ends with {ended}")));
         }
     }
     ensure!(failed.is_empty(), "{}", failed.join("; "));

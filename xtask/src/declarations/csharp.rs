@@ -130,7 +130,8 @@ fn structure(items: &[Item], text: &mut String, structure: &str, fields: &[Varia
         let call = format!("CrumpleRuntime.Loaded(() => NativeMethods.{name}())");
         writeln!(text, "\n        public static {structure} Default => {call};")?;
     }
-    Ok(text.push_str("    }\n\n"))
+    text.push_str("    }\n\n");
+    Ok(())
 }
 
 fn functions(items: &[Item]) -> Result<String> {

@@ -69,7 +69,7 @@ fn unpack(built: &Built, archive: &Path, root: &Path) -> Result<PathBuf> {
     run!("cmake -E tar xf {archive}")?;
     let folder = root.join(name_of(built));
     ensure!(fs::read_dir(root)?.count() == 1 && folder.is_dir(), "{} holds another folder", archive.display());
-    let manifest: Value = serde_json::from_str(&read(&folder.join(manifest::FILE))?).context("reading the manifest")?;
+    let manifest: Value = serde_json::from_str(&read(folder.join(manifest::FILE))?).context("reading the manifest")?;
     let files = manifest::entries(&folder)?;
     ensure!(manifest["files"] == Value::from(files), "{} is not what its manifest says", archive.display());
     abi::exported(&folder.join("include"), &install::shared(&built.target, &folder))?;
@@ -90,7 +90,7 @@ fn command(built: &Built, folder: &Path, runner: &[&str]) -> Result<()> {
 
 /// Runs the commands that the first page shows, which build the examples with the shared library.
 fn first_page(built: &Built, folder: &Path) -> Result<()> {
-    let page = read(&folder.join("README.md"))?;
+    let page = read(folder.join("README.md"))?;
     let _there = sh().push_dir(folder);
     let blocks: Vec<&str> = page.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
     ensure!(blocks.len() >= 2, "the first page has {} blocks of commands", blocks.len());

@@ -46,7 +46,7 @@ pub fn copy_all(built: &Built, folder: &Path) -> Result<()> {
     copy(OVERVIEW.0, &folder.join(OVERVIEW.1))?;
     readme(built, folder)?;
     copy_tree(INCLUDE, &folder.join(UNREAL_HEADERS))?;
-    write(&folder.join(reference::PAGE), reference::page(Path::new(INCLUDE))?)?;
+    write(folder.join(reference::PAGE), reference::page(Path::new(INCLUDE))?)?;
     unity_plugin(built, folder)?;
     engines(built, folder)?;
     for page in files_of(folder, &["md"])? {
@@ -65,7 +65,7 @@ fn readme(built: &Built, folder: &Path) -> Result<()> {
     };
     let text: String = read(README)?.lines().map(line).collect();
     let text = text.replace("@VERSION@", VERSION).replace("@FEATURES@", &features);
-    write(&folder.join("README.md"), text.replace("@TARGET@", &built.target.triple))
+    write(folder.join("README.md"), text.replace("@TARGET@", &built.target.triple))
 }
 
 /// Compiles Unity's renderer plugin against the packed library.
@@ -89,7 +89,7 @@ fn unity_plugin(built: &Built, folder: &Path) -> Result<()> {
     let plugin = folder.join(UNITY).join("Plugins/x86_64").join(name);
     // Microsoft's builds have a folder for each configuration.
     let configuration = if target.is_windows() && !target.cross { "RelWithDebInfo" } else { "." };
-    copy(&directory.join(configuration).join(name), &plugin)?;
+    copy(directory.join(configuration).join(name), &plugin)?;
     if target.is_linux() || target.is_mingw() {
         let strip = target.gnu("strip");
         run!("{strip} --strip-unneeded {plugin}")?;
@@ -100,7 +100,7 @@ fn unity_plugin(built: &Built, folder: &Path) -> Result<()> {
 fn engines(built: &Built, folder: &Path) -> Result<()> {
     let fill = |path: &str| path.replace("@VERSION@", VERSION).replace("@SONAME@", &abi::soname(VERSION));
     for &(_, from, engine, to) in ENGINES.iter().filter(|engine| built.target.triple.contains(engine.0)) {
-        copy(&folder.join(fill(from)), &folder.join(engine).join(fill(to)))?;
+        copy(folder.join(fill(from)), &folder.join(engine).join(fill(to)))?;
     }
     // Unity warns about .meta files without a file: those of other systems' libraries.
     for settings in files_of(folder.join(UNITY).join("Plugins"), &["meta"]).unwrap_or_default() {

@@ -116,7 +116,7 @@ pub fn write_all(linked: &[Linked], folder: &Path) -> Result<()> {
     for (number, (text, of)) in texts.iter().enumerate() {
         whole += &format!("\n{RULE}\n{}: {}\n{RULE}\n\n{}\n", number + 1, of.join(", "), text.trim_end());
     }
-    write(&folder.join(FILE), whole)?;
+    write(folder.join(FILE), whole)?;
     let standard = sysroot()?.join("share/doc/rust/COPYRIGHT-library.html");
     copy(&standard, &folder.join(STANDARD_LIBRARY))
         .context("the licenses of Rust's standard library are missing: a toolchain of rustup's has them")

@@ -16,13 +16,13 @@ pub fn write_of(built: &Built, folder: &Path) -> Result<()> {
         "flavour": flavour.name,
         "features": flavour.library,
         "command": flavour.command,
-        "soname": linux.then(|| abi::soname(&VERSION)),
+        "soname": linux.then(|| abi::soname(VERSION)),
         "glibc": if linux { glibc(folder)? } else { None },
         "rustc": rustc_says("release")?,
         "commit": git(&["rev-parse", "HEAD"])?.trim(),
         "files": entries(folder)?,
     });
-    write(&folder.join(FILE), serde_json::to_string_pretty(&manifest)? + "\n").context("writing the manifest")
+    write(folder.join(FILE), serde_json::to_string_pretty(&manifest)? + "\n").context("writing the manifest")
 }
 
 /// What the manifest says of each file but itself. Symbolic links are not listed.
@@ -37,7 +37,7 @@ pub fn entries(folder: &Path) -> Result<Vec<Value>> {
 
 /// The oldest glibc that the shared library runs with: the newest version among its symbol versions.
 fn glibc(folder: &Path) -> Result<Option<String>> {
-    Ok(newest(&bytes(&folder.join("lib/libcrumple.so"))?).map(|minor| format!("2.{minor}")))
+    Ok(newest(&bytes(folder.join("lib/libcrumple.so"))?).map(|minor| format!("2.{minor}")))
 }
 
 fn newest(library: &[u8]) -> Option<u32> {

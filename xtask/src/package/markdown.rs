@@ -5,7 +5,7 @@ use pulldown_cmark::{Event, Options, Parser, Tag};
 
 /// Copies a page into a folder, without links to files that do not exist there.
 pub fn copy_page(page: &Path, folder: &Path) -> Result<()> {
-    write(&folder.join(name(page)?), without_dead_links(&read(page)?, folder))
+    write(folder.join(name(page)?), without_dead_links(&read(page)?, folder))
 }
 
 /// `page` of `directory` without links to files that do not exist. Web addresses and anchors stay.

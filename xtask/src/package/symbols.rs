@@ -12,7 +12,7 @@ pub fn separate(built: &Built, folder: &Path, debug: &Path) -> Result<()> {
     let target = &built.target;
     let (strip, objcopy) = (target.gnu("strip"), target.gnu("objcopy"));
     make(debug)?;
-    write(&debug.join("README.txt"), README)?;
+    write(debug.join("README.txt"), README)?;
     for file in files(folder)? {
         let name = name(&file)?;
         let program = file.parent().is_some_and(|parent| parent.ends_with("bin"));
@@ -25,15 +25,12 @@ pub fn separate(built: &Built, folder: &Path, debug: &Path) -> Result<()> {
         } else if name.ends_with(".a") && !name.ends_with(".dll.a") {
             // A static library keeps its symbols and loses its line tables, which are ten times the rest.
             let flag = if target.is_macos() { "-S" } else { "--strip-debug" };
-            let mut strip = strip.as_str();
-            if target.is_mingw() {
-                // rustup's standard library has empty members, which strip refuses.
-                let members = said!("llvm-ar t {file}")?;
-                let empty: Vec<&str> = members.lines().filter(|member| member.ends_with(".dwo")).collect();
-                if !empty.is_empty() {
-                    run!("llvm-ar d {file} {empty...}")?;
-                }
-                strip = "llvm-strip";
+            let strip = if target.is_mingw() { "llvm-strip" } else { &strip };
+            // rustup's standard library for MinGW has empty members, which strip refuses.
+            let members = if target.is_mingw() { said!("llvm-ar t {file}")? } else { String::new() };
+            let empty: Vec<&str> = members.lines().filter(|member| member.ends_with(".dwo")).collect();
+            if !empty.is_empty() {
+                run!("llvm-ar d {file} {empty...}")?;
             }
             run!("{strip} {flag} {file}")?;
         } else if target.is_macos() && (program || name.ends_with(".dylib")) {
