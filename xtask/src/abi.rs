@@ -69,8 +69,7 @@ pub fn exports(shared: &Path) -> Result<Vec<String>> {
 /// A shared library exports the functions that the headers of a folder declare, all of them and nothing else.
 pub fn exported(include: &Path, shared: &Path) -> Result<()> {
     let names: BTreeSet<String> = exports(shared)?.into_iter().collect();
-    let functions = declarations::functions(&declarations::read(include)?)?;
-    let declared: BTreeSet<String> = functions.into_iter().map(|item| item.name).collect();
+    let declared = declarations::names(include)?;
     let (include, shared) = (include.display(), shared.display());
     let foreign: Vec<_> = names.difference(&declared).collect();
     ensure!(foreign.is_empty(), "{shared} exports {foreign:?}, which {include} does not declare");

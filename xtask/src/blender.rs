@@ -52,7 +52,7 @@ pub fn stage() -> Result<()> {
         sh().push_env("PYTHONDONTWRITEBYTECODE", "1"),
     ];
     for python in &pythons {
-        empty_directory(folder.join("home"))?;
+        empty(folder.join("home"))?;
         run!("{python} {BINDING}/tests/test_extension.py")?;
     }
     if !XVFB.here() {

@@ -11,7 +11,7 @@ const STRICT: &[&str] = &["-langversion:latest", "-unsafe", "-warnaserror", "-de
 
 pub fn run() -> Result<()> {
     let (prefix, built) = (native::release_prefix()?, in_target("csharp"));
-    empty_directory(&built)?;
+    empty(&built)?;
     compile(&built)?;
     let (table, libraries) = (layouts(&prefix, &built)?, prefix.join("lib"));
     let mono = |program: &str, folder: &Path| {

@@ -31,7 +31,7 @@ pub fn program(own: &str, folder: &str, packages: &[&str], name: &str, environme
 /// Unpacks packages, and writes the program `folder/name`, which starts `name` of them.
 fn fetch(folder: &Path, packages: &[&str], name: &str, environment: &str) -> Result<()> {
     let mirror = mirror()?;
-    empty_directory(folder)?;
+    empty(folder)?;
     ["lists/partial", "debs/partial", "root"].iter().try_for_each(|part| make(folder.join(part)))?;
     write(folder.join("sources.list"), format!("deb [signed-by={KEYS}] {mirror} sid main\n"))?;
     write(folder.join("status"), "")?;

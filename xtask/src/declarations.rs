@@ -77,6 +77,11 @@ pub fn functions(text: &str) -> Result<Vec<Item>> {
     Ok(items)
 }
 
+/// Their names, of the headers of a folder.
+pub fn names(include: impl AsRef<Path>) -> Result<BTreeSet<String>> {
+    Ok(functions(&read(include)?)?.into_iter().map(|item| item.name).collect())
+}
+
 /// What all enumerators of a type begin with: its own name where they do, as those of results do not.
 fn prefix(name: &str, variants: &[Variant]) -> Result<String> {
     let own = Regex::new("([a-z0-9])([A-Z])")?.replace_all(name, "${1}_$2").to_uppercase() + "_";

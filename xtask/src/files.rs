@@ -2,16 +2,11 @@
 
 use crate::prelude::*;
 
-/// Removes a folder if it exists and creates it empty.
-pub fn empty_directory(directory: impl AsRef<Path>) -> Result<()> {
-    sh().remove_path(&directory)?;
-    make(directory)
-}
-
 /// The folder, emptied or created.
-pub fn empty(directory: PathBuf) -> Result<PathBuf> {
-    empty_directory(&directory)?;
-    Ok(directory)
+pub fn empty<P: AsRef<Path>>(folder: P) -> Result<P> {
+    sh().remove_path(&folder)?;
+    make(&folder)?;
+    Ok(folder)
 }
 
 /// Creates a folder if it does not exist.

@@ -116,7 +116,7 @@ impl Target<'_> {
         let sized = |file: PathBuf| Ok((fs::metadata(&file)?.len(), file));
         let mut all = files(&merged)?.into_iter().map(sized).collect::<Result<Vec<_>>>()?;
         all.sort();
-        empty_directory(kept)?;
+        empty(kept)?;
         let mut total = 0;
         for (size, file) in all.into_iter().take(KEPT_FILES) {
             total += size;

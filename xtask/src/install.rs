@@ -194,23 +194,17 @@ pub fn shared(target: &Target, prefix: &Path) -> PathBuf {
 /// Checks that a host cannot unload a library for Linux while its threads are still ending, and that a DLL needs only libraries that
 /// Windows has.
 pub fn loads_well(target: &Target, library: &Path) -> Result<()> {
-    if target.is_windows() {
-        return needs_windows_alone(library);
+    const WINDOWS: &str = "bcryptprimitives.dll kernel32.dll msvcrt.dll ntdll.dll userenv.dll ws2_32.dll";
+    if target.is_linux() {
+        let table = said!("readelf -d {library}")?;
+        ensure!(table.contains("NODELETE"), "{} is not NODELETE; build.rs makes it so", library.display());
+    } else if target.is_windows() {
+        let bytes = bytes(library)?;
+        let imports = object::File::parse(&*bytes)?.imports()?;
+        let names = imports.iter().map(|import| String::from_utf8_lossy(import.library()).to_lowercase());
+        let known = |name: &String| WINDOWS.split(' ').any(|known| known == name) || name.starts_with("api-ms-win-");
+        let foreign: BTreeSet<_> = names.filter(|name| !known(name)).collect();
+        ensure!(foreign.is_empty() && !imports.is_empty(), "{} needs {foreign:?}", library.display());
     }
-    let table = said!("readelf -d {library}")?;
-    ensure!(table.contains("NODELETE"), "{} is not NODELETE; build.rs makes it so", library.display());
-    Ok(())
-}
-
-pub fn needs_windows_alone(library: &Path) -> Result<()> {
-    const WINDOWS: &[&str] =
-        &["bcryptprimitives.dll", "kernel32.dll", "msvcrt.dll", "ntdll.dll", "userenv.dll", "ws2_32.dll"];
-    let bytes = bytes(library)?;
-    let imports = object::File::parse(&*bytes)?.imports()?;
-    let names: BTreeSet<String> =
-        imports.iter().map(|import| String::from_utf8_lossy(import.library()).to_lowercase()).collect();
-    let known = |name: &String| WINDOWS.contains(&name.as_str()) || name.starts_with("api-ms-win-");
-    let foreign: Vec<_> = names.iter().filter(|name| !known(name)).collect();
-    ensure!(foreign.is_empty() && !names.is_empty(), "{} needs {foreign:?}", library.display());
     Ok(())
 }

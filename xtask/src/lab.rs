@@ -60,7 +60,7 @@ pub fn run(options: &Options) -> Result<()> {
     let wanted = |part: &Vec<&str>| options.only.is_empty() || options.only.iter().any(|only| only == part[0]);
     let out = if options.quick { in_target("lab-quick") } else { in_root("docs/lab") };
     if options.quick && options.only.is_empty() {
-        empty_directory(&out)?;
+        empty(&out)?;
     }
     let (start, quick) = (Instant::now(), options.quick.then_some("--quick"));
     let program = timed("build", || program(&["--all-features"]))?;

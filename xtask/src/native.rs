@@ -22,7 +22,7 @@ pub fn install_release() -> Result<()> {
 pub fn release_prefix() -> Result<PathBuf> {
     let prefix = in_target("prefix");
     if !INSTALLED.load(Relaxed) {
-        empty_directory(&prefix)?;
+        empty(&prefix)?;
         install::run(&prefix, "release")?;
         INSTALLED.store(true, Relaxed);
     }

@@ -11,7 +11,7 @@ pub mod manifest;
 pub mod markdown;
 mod symbols;
 
-pub use check::{CLIENT, stage, windows};
+pub use check::{CLIENT, packed, stage};
 
 #[derive(Args)]
 pub struct Options {
@@ -44,10 +44,8 @@ pub fn run(options: &Options) -> Result<()> {
     for flavour in [&SLIM, &FULL].into_iter().filter(|flavour| ["all", flavour.name].contains(&&*options.flavour)) {
         let built = install::dist(flavour, &target)?;
         let archive = pack(&built, &out)?;
-        if options.check && target.cross {
-            check::under_wine(&built, &archive, &Wine::start()?)?;
-        } else if options.check {
-            check::check(&built, &archive)?;
+        if options.check {
+            check::check(&built, &archive, target.cross.then(Wine::start).transpose()?.as_ref())?;
         }
     }
     Ok(())

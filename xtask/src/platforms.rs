@@ -38,7 +38,7 @@ pub fn windows() -> Result<()> {
     let platform = Platform::install(WINDOWS, vec![wine.program])?;
     let _found = wine.libraries(&[&platform.prefix.join("bin")]);
     all_passed(vec![
-        ("the archive", package::windows(&wine, &platform.built())),
+        ("the archive", package::packed(&platform.built(), Some(&wine))),
         ("Microsoft's linker", platform.microsoft()),
         ("the Vulkan tests", {
             let _driver = sh().push_env("VK_DRIVER_FILES", vulkan::lavapipe()?);
@@ -142,8 +142,7 @@ impl Platform {
         let folder = empty(in_target("msvc"))?;
         let (include, import) = (self.prefix.join("include"), self.prefix.join("lib/crumple.dll.lib"));
         let (source, object) = (in_root("xtask/platforms/msvc.c"), folder.join("client.obj"));
-        let functions = declarations::functions(&declarations::read(INCLUDE)?)?;
-        let functions: Vec<String> = functions.into_iter().map(|item| item.name).collect();
+        let functions = Vec::from_iter(declarations::names(INCLUDE)?);
         let all = format!("-DALL={}", functions.join(","));
         let microsoft = ["--target=x86_64-pc-windows-msvc", "-ffreestanding", "-Wall", "-Wextra", "-Werror"];
         for (language, standard) in [("c", "-std=c99"), ("c++", "-std=c++17")] {
@@ -165,7 +164,7 @@ impl Platform {
 
 /// Asks the command everything in an empty folder.
 fn ask(folder: &Path, runner: &[&str], program: &Path) -> Result<()> {
-    empty_directory(folder)?;
+    empty(folder)?;
     for file in INPUT {
         copy_into(file, folder)?;
     }

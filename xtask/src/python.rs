@@ -45,7 +45,7 @@ pub fn build(handed_out: bool, out: &Path) -> Result<PathBuf> {
     let folder = package::full(handed_out)?;
     let python = tested_environment()?;
     let source = empty(in_target("python/source"))?;
-    empty_directory(out)?;
+    empty(out)?;
     copy_sources(PACKAGE, SOURCES, &source)?;
     LICENSES.iter().try_for_each(|license| copy_into(folder.join(license), &source))?;
     let (binaries, target) = (source.join("src/crumple/_bin"), Target::host()?);
@@ -68,7 +68,7 @@ pub fn environment(tool: Tool, name: &str, requirements: &str) -> Result<PathBuf
     }
     tools::require(&[tool]).with_context(|| format!("{requirements} needs Python"))?;
     println!("installing into {}: {}", environment.display(), wanted.split_whitespace().collect::<Vec<_>>().join(" "));
-    empty_directory(&environment)?;
+    empty(&environment)?;
     let base = if tool == PYTHON3 { "python3" } else { "python3.11" };
     run!("{base} -m venv {environment}")?;
     run!("{python} {PIP...} install --only-binary :all: -r {requirements}").with_context(|| {

@@ -149,8 +149,5 @@ fn cross() -> PathBuf {
 
 /// Runs a program in the shell's folder. `runner` is a program that runs it, with arguments, or empty.
 pub fn launch(runner: &[&str], program: &Path) -> Cmd<'static> {
-    match runner.split_first() {
-        Some((first, rest)) => cmd!("{first} {rest...} {program}").quiet(),
-        None => cmd!("{program}").quiet(),
-    }
+    cmd!("env {runner...} {program}").quiet()
 }

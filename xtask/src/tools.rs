@@ -169,7 +169,7 @@ pub fn npm(directory: &Path, packages: &[&str]) -> Result<PathBuf> {
     let modules = directory.join("node_modules");
     let name = |package: &str| package.split('@').next().unwrap_or_default().to_owned();
     if !packages.iter().all(|package| modules.join(name(package)).is_dir()) {
-        empty_directory(directory)?;
+        empty(directory)?;
         let install = ["install", "--loglevel=error", "--no-audit", "--no-fund", "--prefix"];
         let installed = cmd!("npm {install...} {directory} {packages...}").run();
         installed.with_context(|| {

@@ -54,7 +54,7 @@ pub fn build() -> Result<()> {
 }
 
 fn lay_out(modules: &Path, out: &Path) -> Result<()> {
-    empty_directory(out)?;
+    empty(out)?;
     let package = out.join("crumple");
     copy_sources(PACKAGE, INTERFACE, &package)?;
     copy_licenses(&package)?;

@@ -25,9 +25,9 @@ impl Wine {
         let server = first(SERVERS).context("Wine has no wineserver")?;
         let folder = in_target("wine");
         let supplied = folder.join("supplied");
-        empty_directory(&folder)?;
-        empty_directory(&supplied)?;
-        empty_directory(folder.join("prefix"))?;
+        empty(&folder)?;
+        empty(&supplied)?;
+        empty(folder.join("prefix"))?;
         let (gcc, source) = (Target::other(WINDOWS).gnu("gcc"), in_root(SUPPLIED));
         let library = supplied.join("bcryptprimitives.dll");
         run!("{gcc} -shared {source} -o {library} -ladvapi32")?;

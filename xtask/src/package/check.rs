@@ -9,56 +9,42 @@ pub const CLIENT: &str = "xtask/package/client";
 
 /// Packs and checks the full flavour with the release library and the tests' command, which other stages build too.
 pub fn stage() -> Result<()> {
-    let (built, out) = (Built::tested()?, tempfile::tempdir()?);
-    check(&built, &pack(&built, out.path())?)
+    packed(&Built::tested()?, None)
 }
 
-/// Packs and checks the full flavour for Windows with a library and a command that other tests use too.
-pub fn windows(wine: &Wine, built: &Built) -> Result<()> {
+/// Packs what was built, and checks the archive.
+pub fn packed(built: &Built, wine: Option<&Wine>) -> Result<()> {
     let out = tempfile::tempdir()?;
-    under_wine(built, &pack(built, out.path())?, wine)
+    check(built, &pack(built, out.path())?, wine)
 }
 
-pub fn check(built: &Built, archive: &Path) -> Result<()> {
+/// Tries an archive on this machine, or under Wine, where stage "windows" runs the examples.
+pub fn check(built: &Built, archive: &Path, wine: Option<&Wine>) -> Result<()> {
     if cfg!(windows) {
         println!("an archive for Windows is not unpacked and tried here");
         return Ok(());
     }
-    let scratch = tempfile::tempdir()?;
-    let root = scratch.path();
-    let folder = unpack(built, archive, root)?;
-    if built.target.is_linux() {
-        install::loads_well(&built.target, &install::shared(&built.target, &folder))?;
-    }
-    command(built, &folder, &[])?;
-    println!("by the first page:");
-    first_page(built, &folder)?;
-    println!("by CMake:");
-    by_cmake(root, &folder)?;
-    client(built, root, &folder, &[])?;
-    println!("by pkg-config:");
-    by_pkg_config(built, root, &folder)?;
-    println!("{} is what it says, and its examples run", archive.display());
-    Ok(())
-}
-
-/// Builds the user's project with MinGW against an archive for Windows, and runs it and the command under Wine. Stage
-/// "windows" runs the examples.
-pub fn under_wine(built: &Built, archive: &Path, wine: &Wine) -> Result<()> {
     let (scratch, target) = (tempfile::tempdir()?, &built.target);
-    let (root, runner) = (scratch.path(), &[wine.program]);
+    let (root, runner) = (scratch.path(), Vec::from_iter(wine.map(|wine| wine.program)));
     let folder = unpack(built, archive, root)?;
-    for library in [install::shared(target, &folder), folder.join("bindings/unity/Plugins/x86_64/crumple_unity.dll")] {
-        install::needs_windows_alone(&library)?;
+    install::loads_well(target, &install::shared(target, &folder))?;
+    let _found = wine.map(|wine| wine.libraries(&[&folder.join("bin")]));
+    command(built, &folder, &runner)?;
+    client(built, root, &folder, &runner)?;
+    // pkg-config finds nothing but the archive.
+    let _found =
+        [sh().push_env("PKG_CONFIG_LIBDIR", folder.join("lib/pkgconfig")), sh().push_env("PKG_CONFIG_PATH", "")];
+    if wine.is_some() {
+        install::loads_well(target, &folder.join("bindings/unity/Plugins/x86_64/crumple_unity.dll"))?;
+        let (flags, program) = (ask(&["--cflags", "--libs"])?, root.join("quickstart.exe"));
+        let compiler = target.gnu("gcc");
+        run!("{compiler} {folder}/examples-c/quickstart.c -o {program} {flags...}")?;
+        launch(&runner, &program).run().context("quickstart.exe under Wine")?;
+    } else {
+        first_page(built, &folder)?;
+        by_cmake(root, &folder)?;
+        by_pkg_config(built, root, &folder)?;
     }
-    let _found = wine.libraries(&[&folder.join("bin")]);
-    command(built, &folder, runner)?;
-    client(built, root, &folder, runner)?;
-    let _only = pkg_config_finds(&folder);
-    let (flags, program) = (ask(&["--cflags", "--libs"])?, root.join("quickstart.exe"));
-    let (compiler, file) = (target.gnu("gcc"), folder.join("examples-c/quickstart.c"));
-    run!("{compiler} {file} -o {program} {flags...}")?;
-    launch(runner, &program).run().context("quickstart.exe under Wine")?;
     println!("{} is what it says, and programs run with it", archive.display());
     Ok(())
 }
@@ -127,11 +113,6 @@ fn client(built: &Built, root: &Path, folder: &Path, runner: &[&str]) -> Result<
     Ok(())
 }
 
-/// pkg-config finds nothing but the archive while the result lives.
-fn pkg_config_finds(folder: &Path) -> [PushEnv<'static>; 2] {
-    [sh().push_env("PKG_CONFIG_LIBDIR", folder.join("lib/pkgconfig")), sh().push_env("PKG_CONFIG_PATH", "")]
-}
-
 /// The words that pkg-config says about the library.
 fn ask(arguments: &[&str]) -> Result<Vec<String>> {
     let said = said!("pkg-config {arguments...} crumple")?;
@@ -139,7 +120,6 @@ fn ask(arguments: &[&str]) -> Result<Vec<String>> {
 }
 
 fn by_pkg_config(built: &Built, root: &Path, folder: &Path) -> Result<()> {
-    let _found = pkg_config_finds(folder);
     let version = ask(&["--modversion"])?.concat();
     ensure!(version == VERSION, "pkg-config says version {version}");
     let features = ask(&["--variable=features"])?;
@@ -147,12 +127,13 @@ fn by_pkg_config(built: &Built, root: &Path, folder: &Path) -> Result<()> {
 
     // The first page has the shared library. `--static` adds the system libraries. The file is named because the linker would take the
     // shared library beside it.
+    let compile = [ask(&["--cflags"])?, ask(&["--variable=staticlibrary"])?].concat();
+    let mut libraries = ask(&["--libs", "--static"])?;
+    libraries.retain(|flag| flag != "-lcrumple");
     for (compiler, file) in [("cc", folder.join("examples-c/quickstart.c")), ("c++", root.join("client/client.cpp"))] {
-        let (program, compile) =
-            (root.join("fixed"), [ask(&["--cflags"])?, ask(&["--variable=staticlibrary"])?].concat());
-        let libraries = ask(&["--libs", "--static"])?.into_iter().filter(|flag| flag != "-lcrumple");
-        run!("{compiler} {file} -o {program} {compile...} {libraries...} -lm")?;
-        run!("{program}")?;
+        let (compile, libraries) = (&compile, &libraries);
+        run!("{compiler} {file} -o {root}/fixed {compile...} {libraries...} -lm")?;
+        run!("{root}/fixed")?;
     }
     Ok(())
 }
