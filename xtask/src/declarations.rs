@@ -10,18 +10,13 @@ use std::sync::LazyLock;
 
 /// The folder of the headers.
 pub const INCLUDE: &str = "include";
-/// The headers, each after those that it includes.
-pub const HEADERS: &[&str] = &[
-    "crumple.h",
-    "crumple_build.h",
-    "crumple_import.h",
-    "crumple_parts.h",
-    "crumple_contacts.h",
-    "crumple_view.h",
-    "crumple_host.h",
-    "crumple_vulkan.h",
-    "crumple_graph.h",
-];
+/// The headers, each after those that it includes: the first words of the parts of that file.
+pub static HEADERS: LazyLock<Vec<&str>> =
+    LazyLock::new(|| PARTS.split("\n\n").filter_map(|part| part.split([' ', ':']).next()).collect());
+
+/// The headers in their order: what each includes, the files of `src` without their ends in the order in which their items are declared,
+/// and the first lines of its opening comment, which crumple.h has in cbindgen.toml.
+pub const PARTS: &str = include_str!("../headers.txt");
 
 /// The headers of a folder as one text.
 pub fn read(include: impl AsRef<Path>) -> Result<String> {

@@ -52,11 +52,9 @@ pub fn run(options: &Options) -> Result<()> {
     let [home, programs] = build(options)?;
     let corpora = options.corpus.clone().unwrap_or_else(|| in_target("fuzz/corpus"));
     let chosen = targets.iter().filter(|name| options.target.is_empty() || options.target.contains(name));
-    let mut chosen = chosen.map(|name| Target {
-        name,
-        program: programs.join(name),
-        corpus: corpora.join(name),
-        kept: in_root("fuzz/corpus").join(name),
+    let mut chosen = chosen.map(|name| {
+        let (corpus, kept) = (corpora.join(name), in_root("fuzz/corpus").join(name));
+        Target { name, program: programs.join(name), corpus, kept }
     });
     if options.coverage {
         return coverage(chosen);

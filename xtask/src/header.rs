@@ -1,7 +1,7 @@
 //! The headers, which cbindgen writes from the sources of `src/capi`, and the C# and Python declarations made from them: committed,
 //! and compared in CI.
 
-use crate::declarations::{csharp, python, wrapped};
+use crate::declarations::{PARTS, csharp, python, wrapped};
 use crate::prelude::*;
 use similar::TextDiff;
 
@@ -15,10 +15,6 @@ const WIDTH: usize = 120;
 /// Where the declarations of C# and Python are.
 const CSHARP: &str = "bindings/unity/Runtime/Native";
 const PYTHON: &str = "bindings/python/src/crumple/_native.py";
-
-/// The headers in their order: what each includes, the files of `src` without their ends in the order in which their items are declared,
-/// and the first lines of its opening comment, which crumple.h has in cbindgen.toml.
-const PARTS: &str = include_str!("../headers.txt");
 
 pub fn run(check: bool) -> Result<()> {
     let headers = generate()?;

@@ -13,7 +13,7 @@ pub fn page(include: &Path) -> Result<String> {
     let all = declarations::header(&declarations::read(include)?).context("reading the headers")?;
     let known: BTreeSet<&str> = all.iter().map(|item| item.name.as_str()).collect();
     let mut page = OPENING.to_owned();
-    for file in HEADERS {
+    for file in HEADERS.iter() {
         let header = read(include.join(file))?;
         let opening = header.lines().map_while(|line| line.strip_prefix("//"));
         let opening: Vec<_> = opening.map(|line| line.strip_prefix(' ').unwrap_or(line)).collect();

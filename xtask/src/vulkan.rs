@@ -15,9 +15,8 @@ pub fn run() -> Result<()> {
     };
     // The library's tests, and the lab's workloads at their smallest.
     let tests = |programs: &[&str]| -> Result<()> {
-        let tests = tests(programs).env("VK_DRIVER_FILES", &manifests);
         // Mesa's device selection layer prints errors in a session without a display.
-        let tests = tests.env("NODEVICE_SELECT", "1");
+        let tests = tests(programs).env("VK_DRIVER_FILES", &manifests).env("NODEVICE_SELECT", "1");
         Ok(tests.env("CRUMPLE_REQUIRE_GPU", required).run()?)
     };
     if !all() {
@@ -46,8 +45,8 @@ pub fn drivers() -> Result<Vec<PathBuf>> {
 
 /// The manifest of Mesa's driver. Some releases put the processor into its name.
 pub fn lavapipe() -> Result<PathBuf> {
-    let entries = fs::read_dir(MANIFESTS).with_context(|| format!("reading {MANIFESTS}"))?;
-    let mut found = entries.filter_map(|e| Some(e.ok()?.path()));
-    let name = |p: &PathBuf| p.file_name().is_some_and(|n| n.to_string_lossy().starts_with("lvp_icd"));
-    found.find(name).with_context(|| format!("{MANIFESTS} holds no lvp_icd…json"))
+    let mut found = files(MANIFESTS)?.into_iter();
+    found
+        .find(|file| name(file).is_ok_and(|name| name.starts_with("lvp_icd")))
+        .with_context(|| format!("{MANIFESTS} holds no lvp_icd…json"))
 }

@@ -15,7 +15,7 @@ pub struct Wine {
     server: &'static str,
     supplied: PathBuf,
     _display: Display,
-    _environment: [PushEnv<'static>; 3],
+    _environment: [PushEnv<'static>; 2],
 }
 
 impl Wine {
@@ -23,21 +23,12 @@ impl Wine {
         let first = |paths: &[&'static str]| paths.iter().copied().find(|path| Path::new(path).exists());
         let program = first(PROGRAMS).context("Wine is not installed")?;
         let server = first(SERVERS).context("Wine has no wineserver")?;
-        let folder = in_target("wine");
-        let supplied = folder.join("supplied");
-        empty(&folder)?;
-        empty(&supplied)?;
-        empty(folder.join("prefix"))?;
-        let (gcc, source) = (Target::other(WINDOWS).gnu("gcc"), in_root(SUPPLIED));
-        let library = supplied.join("bcryptprimitives.dll");
-        run!("{gcc} -shared {source} -o {library} -ladvapi32")?;
-        let display = Display::start()?;
-        let environment = [
-            sh().push_env("WINEPREFIX", folder.join("prefix")),
-            sh().push_env("WINEDEBUG", "-all"),
-            sh().push_env("DISPLAY", &display.name),
-        ];
-        let wine = Self { program, server, supplied, _display: display, _environment: environment };
+        let folder = empty(in_target("wine"))?;
+        let (gcc, supplied) = (Target::other(WINDOWS).gnu("gcc"), empty(folder.join("supplied"))?);
+        make(folder.join("prefix"))?;
+        run!("{gcc} -shared {SUPPLIED} -o {supplied}/bcryptprimitives.dll -ladvapi32")?;
+        let environment = [sh().push_env("WINEPREFIX", folder.join("prefix")), sh().push_env("WINEDEBUG", "-all")];
+        let wine = Self { program, server, supplied, _display: Display::start()?, _environment: environment };
         // Otherwise a test would start the server, which keeps the pipe of the test's output open after its end.
         run!("{server} --persistent")?;
         // Without the windows that offer to install Mono and Gecko.
@@ -60,12 +51,8 @@ impl Drop for Wine {
     }
 }
 
-/// A display without a screen.
-pub struct Display {
-    /// What `DISPLAY` says of it.
-    pub name: String,
-    _server: Background,
-}
+/// A display without a screen, which programs draw on while it lives.
+pub struct Display(#[expect(dead_code)] PushEnv<'static>, #[expect(dead_code)] Background);
 
 impl Display {
     pub fn start() -> Result<Self> {
@@ -74,6 +61,6 @@ impl Display {
         let mut server = server.stdout(Stdio::piped()).spawn().context("starting Xvfb")?;
         let mut number = String::new();
         BufReader::new(server.stdout.take().context("Xvfb has an output")?).read_line(&mut number)?;
-        Ok(Self { name: format!(":{}", number.trim()), _server: Background(server) })
+        Ok(Self(sh().push_env("DISPLAY", format!(":{}", number.trim())), Background(server)))
     }
 }

@@ -17,7 +17,7 @@ pub fn write_of(built: &Built, folder: &Path) -> Result<()> {
         "features": flavour.library,
         "command": flavour.command,
         "soname": linux.then(|| abi::soname(VERSION)),
-        "glibc": if linux { glibc(folder)? } else { None },
+        "glibc": if linux { newest(&bytes(folder.join("lib/libcrumple.so"))?) } else { None },
         "rustc": rustc_says("release")?,
         "commit": git(&["rev-parse", "HEAD"])?.trim(),
         "files": entries(folder)?,
@@ -27,27 +27,21 @@ pub fn write_of(built: &Built, folder: &Path) -> Result<()> {
 
 /// What the manifest says of each file but itself. Symbolic links are not listed.
 pub fn entries(folder: &Path) -> Result<Vec<Value>> {
-    let mut entries = Vec::new();
-    for path in files(folder)?.iter().filter(|path| **path != folder.join(FILE)) {
+    let entry = |path: &PathBuf| {
         let bytes = bytes(path)?;
-        entries.push(json!({"path": within(folder, path)?, "size": bytes.len(), "sha256": sha256(&bytes)}));
-    }
-    Ok(entries)
+        Ok(json!({"path": within(folder, path)?, "size": bytes.len(), "sha256": sha256(&bytes)}))
+    };
+    files(folder)?.iter().filter(|path| **path != folder.join(FILE)).map(entry).collect()
 }
 
 /// The oldest glibc that the shared library runs with: the newest version among its symbol versions.
-fn glibc(folder: &Path) -> Result<Option<String>> {
-    Ok(newest(&bytes(folder.join("lib/libcrumple.so"))?).map(|minor| format!("2.{minor}")))
-}
-
-fn newest(library: &[u8]) -> Option<u32> {
+fn newest(library: &[u8]) -> Option<String> {
     const PREFIX: &[u8] = b"GLIBC_2.";
     let minors = memmem::find_iter(library, PREFIX).filter_map(|at| {
-        let digits: Vec<u8> =
-            library[at + PREFIX.len()..].iter().copied().take_while(|byte| byte.is_ascii_digit()).collect();
-        String::from_utf8(digits).ok()?.parse().ok()
+        let mut parts = library[at + PREFIX.len()..].split(|byte| !byte.is_ascii_digit());
+        std::str::from_utf8(parts.next()?).ok()?.parse().ok()
     });
-    minors.max()
+    minors.max().map(|minor: u32| format!("2.{minor}"))
 }
 
 pub fn sha256(bytes: &[u8]) -> String {
@@ -58,7 +52,7 @@ pub fn sha256(bytes: &[u8]) -> String {
 mod tests {
     #[test]
     fn the_newest_glibc_counts_by_its_number() {
-        assert_eq!(super::newest(b"\0GLIBC_2.2.5\0GLIBC_2.34\0GLIBC_2.9\0GLIBC_PRIVATE\0"), Some(34));
+        assert_eq!(super::newest(b"\0GLIBC_2.2.5\0GLIBC_2.34\0GLIBC_2.9\0GLIBC_PRIVATE\0"), Some("2.34".into()));
         assert_eq!(super::newest(b"none"), None);
     }
 }
