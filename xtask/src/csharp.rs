@@ -27,7 +27,6 @@ pub fn run() -> Result<()> {
     Ok(())
 }
 
-/// Compiles the library with its documentation, and the test programs.
 fn compile(built: &Path) -> Result<()> {
     let (dll, xml) = (built.join("Crumple.dll"), built.join("Crumple.xml"));
     let mut own = files_of(RUNTIME, &["cs"])?;

@@ -8,7 +8,6 @@ pub mod python;
 
 use std::sync::LazyLock;
 
-/// The folder of the headers.
 pub const INCLUDE: &str = "include";
 /// The headers, each after those that it includes: the first words of the parts of that file.
 pub static HEADERS: LazyLock<Vec<&str>> =
@@ -37,7 +36,6 @@ pub struct Type {
     pub array: Option<usize>,
 }
 
-/// A field or a parameter.
 pub struct Variable {
     pub name: String,
     pub kind: Type,
@@ -65,7 +63,6 @@ pub struct Item {
     pub text: String,
 }
 
-/// The functions that the header declares.
 pub fn functions(text: &str) -> Result<Vec<Item>> {
     let mut items = header(text)?;
     items.retain(|item| matches!(item.form, Form::Function(..)));
@@ -98,7 +95,6 @@ fn number(name: &str) -> Result<(&'static str, String)> {
     bail!("{name:?} is a type that is not declared")
 }
 
-/// What is declared under a name.
 pub fn declared<'a>(items: &'a [Item], name: &str) -> Option<&'a Form> {
     items.iter().find(|item| item.name == name).map(|item| &item.form)
 }

@@ -9,13 +9,11 @@ pub fn empty<P: AsRef<Path>>(folder: P) -> Result<P> {
     Ok(folder)
 }
 
-/// Creates a folder if it does not exist.
 pub fn make(folder: impl AsRef<Path>) -> Result<()> {
     sh().create_dir(folder)?;
     Ok(())
 }
 
-/// Prints a file's path and size.
 pub fn announce(file: &Path) -> Result<()> {
     println!("{} ({:.1} MB)", file.display(), fs::metadata(file)?.len() as f64 / 1e6);
     Ok(())
@@ -51,7 +49,6 @@ pub fn within(folder: &Path, path: &Path) -> Result<String> {
     Ok(inner.iter().map(|part| part.to_string_lossy()).collect::<Vec<_>>().join("/"))
 }
 
-/// The bytes of a file.
 pub fn bytes(path: impl AsRef<Path>) -> Result<Vec<u8>> {
     Ok(sh().read_binary_file(path)?)
 }
@@ -66,7 +63,6 @@ pub fn write(path: impl AsRef<Path>, contents: impl AsRef<[u8]>) -> Result<()> {
     Ok(sh().write_file(path, contents)?)
 }
 
-/// The last part of a path.
 pub fn name(path: &Path) -> Result<String> {
     let name = path.file_name().with_context(|| format!("{} has no file name", path.display()))?;
     Ok(name.to_string_lossy().into_owned())
@@ -80,7 +76,6 @@ pub fn copy(from: impl AsRef<Path>, to: &Path) -> Result<()> {
     Ok(sh().copy_file(from, to)?)
 }
 
-/// Copies a file into a folder.
 pub fn copy_into(file: impl AsRef<Path>, folder: &Path) -> Result<()> {
     copy(&file, &folder.join(name(file.as_ref())?))
 }

@@ -167,7 +167,6 @@ fn coverage<'a>(mut targets: impl Iterator<Item = Target<'a>>) -> Result<()> {
     Ok(())
 }
 
-/// The names of the targets.
 fn targets() -> Result<Vec<String>> {
     let names = files("fuzz/src/bin")?.into_iter();
     Ok(names.filter_map(|file| Some(file.file_stem()?.to_string_lossy().into_owned())).collect())
@@ -193,7 +192,6 @@ pub fn stage() -> Result<()> {
     run(&for_stage())
 }
 
-/// Builds what the stage runs.
 pub fn build_for_stage() -> Result<()> {
     build(&for_stage()).map(drop)
 }

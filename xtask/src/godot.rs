@@ -177,7 +177,6 @@ impl Godot {
     }
 }
 
-/// `cargo xtask addon`: the archive.
 pub fn pack(options: &Options) -> Result<()> {
     let mut targets = vec![Target::host()?];
     if options.windows {

@@ -9,7 +9,6 @@ use similar::TextDiff;
 const GENERATED: &str =
     "// This file is generated from the library's source by `cargo xtask header`; do not edit it.\n";
 
-/// Characters in a line of a header.
 const WIDTH: usize = 120;
 
 /// Where the declarations of C# and Python are.

@@ -103,7 +103,6 @@ fn static_needs(target: &Target) -> Result<Vec<String>> {
     Ok(line.split_whitespace().map(str::to_owned).collect())
 }
 
-/// Builds and installs.
 pub fn run(prefix: &Path, profile: &str) -> Result<()> {
     let (target, prefix) = (Target::host()?, in_root(prefix));
     build(&target, profile, &FULL)?;
@@ -186,7 +185,6 @@ pub fn import_library(dll: &str, exports: &[String], library: &Path) -> Result<(
     fs::remove_file(&definition).with_context(|| format!("removing {}", definition.display()))
 }
 
-/// Where the shared library is in a prefix.
 pub fn shared(target: &Target, prefix: &Path) -> PathBuf {
     prefix.join(if target.is_windows() { "bin" } else { "lib" }).join(target.shared())
 }

@@ -32,7 +32,6 @@ pub fn threads() -> Result<()> {
     sanitized("thread", &[&["--"][..], &THREADED].concat())
 }
 
-/// Builds what [`threads`] runs.
 pub fn build() -> Result<()> {
     sanitized("thread", &["--no-run"])
 }

@@ -60,7 +60,6 @@ pub fn i686() -> Result<()> {
     Platform::install(I686, runner)?.test(I686_TESTS, &[])
 }
 
-/// Builds what the stages run.
 pub fn build() -> Result<()> {
     let compile = |triple| (triple, compile(&Target::other(triple)));
     all_passed([WINDOWS, AARCH64, I686].map(compile).into())
@@ -78,7 +77,6 @@ fn compile(target: &Target) -> Result<()> {
 }
 
 impl Platform {
-    /// Builds everything for it and installs the library.
     fn install(triple: &str, runner: Vec<&'static str>) -> Result<Self> {
         let (target, prefix) = (Target::other(triple), empty(in_target(format!("prefix-{triple}")))?);
         compile(&target)?;
@@ -103,7 +101,6 @@ impl Platform {
         Built::new(self.target.clone(), "debug", &FULL, true)
     }
 
-    /// Runs C and C++ programs.
     fn c(&self) -> Result<()> {
         native::test_projects(&Build {
             projects: native::OURS,

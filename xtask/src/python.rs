@@ -34,7 +34,6 @@ pub fn with_package(out: &Path) -> Result<(PathBuf, PathBuf)> {
     Ok((python, wheel))
 }
 
-/// The Python with what the package's tests need.
 pub fn tested_environment() -> Result<PathBuf> {
     environment(PYTHON311, "python-venv", REQUIREMENTS)
 }

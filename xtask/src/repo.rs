@@ -29,7 +29,6 @@ const QUOTING: &[(&str, &str)] = &[
 /// The first head of tables that quote our messages. Tables with other heads quote other programs.
 const QUOTES: &str = "| it says |";
 
-/// The Unity package.
 const PACKAGE: &str = "bindings/unity";
 /// Packing puts the native libraries here. Their `.meta` files are here before.
 const PLUGINS: &str = "Plugins/x86_64/";

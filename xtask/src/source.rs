@@ -2,7 +2,6 @@
 
 use crate::prelude::*;
 
-/// Conan, pinned.
 const REQUIREMENTS: &str = "xtask/package/requirements.txt";
 
 /// A program fetches the library's source with CMake, which builds it by Cargo. The same project installs the files that

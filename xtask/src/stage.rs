@@ -199,7 +199,6 @@ fn table(rows: &[Row], all: bool) -> String {
     format!("{text}\n{passed} passed, {} failed, {} skipped\n", count(&[FAILED]), count(&[LEFT_OUT]))
 }
 
-/// The stages that ended so.
 fn names(rows: &[Row], verdict: Verdict) -> String {
     rows.iter().filter(|row| row.verdict == verdict).map(|row| row.name).collect::<Vec<_>>().join(", ")
 }

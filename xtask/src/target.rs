@@ -20,12 +20,10 @@ pub struct Target {
 }
 
 impl Target {
-    /// This machine's system.
     pub fn host() -> Result<Self> {
         Ok(Self { triple: rustc_says("host")?, cross: false })
     }
 
-    /// Another system.
     pub fn other(triple: &str) -> Self {
         Self { triple: triple.to_owned(), cross: true }
     }
@@ -65,7 +63,6 @@ impl Target {
         if self.is_windows() && !self.is_mingw() { "crumple.lib" } else { "libcrumple.a" }
     }
 
-    /// The file of a program.
     pub fn program(&self, name: &str) -> String {
         if self.is_windows() { format!("{name}.exe") } else { name.to_owned() }
     }

@@ -133,7 +133,6 @@ pub fn run(options: &Options) -> Result<()> {
     stage::run_all(&stages, Rules { require_all, fail_fast, retry: in_ci, tidy: false, ahead })
 }
 
-/// `cargo xtask ci`: runs every check and every test. A missing program fails its stage.
 pub fn ci(fail_fast: bool) -> Result<()> {
     let stages: Vec<&Stage> = CHECKS.iter().chain(STAGES).collect();
     stage::run_all(&stages, Rules { require_all: true, fail_fast, retry: true, tidy: true, ahead: true })

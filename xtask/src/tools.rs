@@ -71,7 +71,6 @@ tools! {
     MINGW: "MinGW's compilers", "g++-mingw-w64-x86-64-posix mingw-w64-x86-64-dev",
         Calls("x86_64-w64-mingw32-gcc-posix, x86_64-w64-mingw32-g++-posix");
     WINE: "Wine", "wine64", File(wine::PROGRAMS);
-    /// A display without a screen.
     XVFB: "Xvfb", "xvfb", File(&["/usr/bin/Xvfb"]);
     LLVM: "LLVM's clang, lld-link and llvm-dlltool", "clang lld llvm", Calls("clang, lld-link, llvm-strip");
     AARCH64_RUST: "Rust for 64-bit ARM (or: rustup target add aarch64-unknown-linux-gnu)", FOR_RUST, Rust(AARCH64);
@@ -81,9 +80,7 @@ tools! {
     I686_CC: "GNU's compilers for 32-bit x86", "g++-i686-linux-gnu", Calls("i686-linux-gnu-gcc, i686-linux-gnu-g++");
     WEB_RUST: "Rust for WebAssembly (or: rustup target add wasm32-unknown-unknown)", FOR_RUST, Rust(WEB);
     CHROMIUM: "Chromium", "chromium", Calls("/usr/bin/chromium");
-    /// Runs programs for 64-bit ARM.
     QEMU: "qemu-aarch64", "qemu-user", Calls("qemu-aarch64");
-    /// Converts between file formats.
     ASSIMP: "assimp", "assimp-utils", Calls("assimp version");
 }
 
@@ -146,7 +143,6 @@ pub fn provide<'t>(wanted: impl IntoIterator<Item = &'t Tool>) -> Vec<Tool> {
     missing
 }
 
-/// Installs missing tools, and fails if one is still missing.
 pub fn require(wanted: &[Tool]) -> Result<()> {
     let missing = provide(wanted);
     ensure!(missing.is_empty(), "{}", advice(&missing));

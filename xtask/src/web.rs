@@ -47,7 +47,6 @@ fn node(packages: &[&str]) -> Result<PathBuf> {
     tools::npm(&in_target("web/node"), packages)
 }
 
-/// Builds the module.
 pub fn build() -> Result<()> {
     let cargo = Target::other(WEB).cargo(&["build", "--release", "--locked"])?;
     Ok(cargo.arg("--manifest-path").arg("bindings/web/Cargo.toml").run()?)

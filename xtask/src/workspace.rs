@@ -45,7 +45,6 @@ pub fn target_folder() -> PathBuf {
     root().join(std::env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into()))
 }
 
-/// A path in it.
 pub fn in_target(path: impl AsRef<Path>) -> PathBuf {
     target_folder().join(path)
 }
@@ -106,7 +105,6 @@ pub fn anywhere() -> Result<Vec<String>> {
     Ok(flags)
 }
 
-/// The toolchain's directory.
 pub fn sysroot() -> Result<PathBuf> {
     let rustc = rustc();
     Ok(said!("{rustc} --print sysroot")?.into())
@@ -127,7 +125,6 @@ pub fn packages(arguments: &[&str]) -> Result<Vec<Value>> {
     Ok(serde_json::from_value(told["packages"].take())?)
 }
 
-/// The output of git.
 pub fn git(arguments: &[&str]) -> Result<String> {
     // Another user may own the checkout.
     let trusted = "safe.directory=*";
@@ -189,7 +186,6 @@ pub fn ended(command: Cmd) -> Result<(ExitStatus, String)> {
     Ok((output.status, text.concat()))
 }
 
-/// The number of cores.
 pub fn jobs() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }

@@ -30,7 +30,6 @@ pub const HEADERS: &[&str] =
     &["crumple.h", "crumple_build.h", "crumple_import.h", "crumple_parts.h", "crumple_contacts.h", "crumple_view.h"];
 
 const KEYWORDS: &[&str] = &["base", "event", "fixed", "in", "lock", "object", "out", "params", "ref", "string"];
-/// Columns of a line.
 const WIDTH: usize = 126;
 
 /// The two files: types and functions.

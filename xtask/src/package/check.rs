@@ -99,7 +99,6 @@ fn by_cmake(root: &Path, folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Builds and runs the user's project.
 fn client(built: &Built, root: &Path, folder: &Path, runner: &[&str]) -> Result<()> {
     let (source, built, target) = (root.join("client"), root.join("client-build"), &built.target);
     copy_tree(CLIENT, &source)?;
