@@ -117,35 +117,24 @@ pub fn wrapped(declaration: &str, width: usize, indent: usize) -> String {
     text
 }
 
+/// A declaration, after its comment.
+const DECLARATION: &str =
+    r"(?m)((?:^///.*\n)*)^(#define \w+ +.+|typedef (?:enum|struct) \w+ \{\n(?s:.*?)\n\} \w+;|[^\n#/{}][^;{}#]*;)\n";
 /// Lines without a declaration.
 const IGNORED: &str = r#"^(|//.*|#ifdef __cplusplus|extern "C" \{|\}  // extern.*|#ifndef CRUMPLE_.*|#define CRUMPLE_(\w*_)?H|#include <std.*|#endif.*)$"#;
 
 /// Everything that the header declares, in header order.
 pub fn header(text: &str) -> Result<Vec<Item>> {
-    let ignored = Regex::new(IGNORED)?;
-    let (mut items, mut docs, mut lines) = (Vec::new(), Vec::new(), Vec::new());
-    for line in text.lines() {
-        let trimmed = line.trim();
-        if lines.is_empty() {
-            if let Some(text) = trimmed.strip_prefix("///") {
-                docs.push(text.trim().to_owned());
-                continue;
-            } else if ignored.is_match(trimmed) {
-                continue;
-            }
-        }
-        lines.push(line);
-        // A declaration ends with a semicolon; one with braces ends with the closing brace and a semicolon.
-        let ends = trimmed.ends_with(';') && (!lines[0].ends_with('{') || trimmed.starts_with('}'));
-        if ends || trimmed.starts_with("#define") {
-            let text = lines.join("\n");
-            let (name, form) = form(&text).with_context(|| format!("{:?} is not what this reads", lines[0]))?;
-            items.push(Item { docs: std::mem::take(&mut docs), name, form, text });
-            lines.clear();
-        }
-    }
-    ensure!(lines.is_empty(), "{lines:?} has no end");
-    Ok(items)
+    let (declaration, ignored) = (Regex::new(DECLARATION)?, Regex::new(IGNORED)?);
+    let rest = declaration.replace_all(text, "");
+    let unknown = rest.lines().find(|line| !ignored.is_match(line.trim()));
+    ensure!(unknown.is_none(), "{unknown:?} is not what this reads");
+    let item = |found: Captures<'_>| {
+        let docs = found[1].lines().map(|line| line.trim_start_matches('/').trim().to_owned()).collect();
+        let (name, form) = form(&found[2]).with_context(|| format!("{:?} is not what this reads", &found[2]))?;
+        Ok(Item { docs, name, form, text: found[2].to_owned() })
+    };
+    declaration.captures_iter(text).map(item).collect()
 }
 
 fn form(text: &str) -> Result<(String, Form)> {

@@ -153,7 +153,7 @@ fn run(command: Command) -> Result<()> {
     workspace::enter()?;
     match command {
         Command::Demo { out, gpu } => car::demo(&out, gpu.as_deref()),
-        Command::Test(options) => test::run(&options),
+        Command::Test(options) => test::run(&options, false),
         Command::Header { keep: true, .. } => abi::keep(),
         Command::Header { check, .. } => header::run(check),
         Command::Install { prefix, debug } => install::run(&prefix, if debug { "debug" } else { "release" }),
@@ -173,7 +173,7 @@ fn run(command: Command) -> Result<()> {
             let test = workspace::cargo(&["test", "--quiet", "--package", "crumple", "--features", "cli"]);
             exports::sweep(test, &folder, &options.join(" "))
         }
-        Command::Ci { fail_fast } => test::ci(fail_fast),
+        Command::Ci { fail_fast } => test::run(&test::Options { fail_fast, ..Default::default() }, true),
         Command::Ahead => test::ahead(),
         Command::Car(options) => car::run(&options),
         Command::Repo { fix } => repo::run(fix),

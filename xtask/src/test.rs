@@ -113,8 +113,9 @@ const STAGES: &[Stage] = stages! {
         needs: &[CC, CXX, CMAKE], wants: &[ODE, BULLET, VULKAN, SWIFTSHADER, VULKAN_HEADERS, PNG];
 };
 
-/// Runs the stages that `options` choose. A stage that is not everybody's always runs whole; those that are run whole with `--all`.
-pub fn run(options: &Options) -> Result<()> {
+/// Runs the stages that `options` choose, or every check and every test for `ci`. A stage that is not everybody's always runs whole;
+/// those that are run whole with `--all`.
+pub fn run(options: &Options, ci: bool) -> Result<()> {
     let every: Vec<&Stage> = CHECKS.iter().chain(STAGES).collect();
     let names: Vec<&str> = every.iter().map(|stage| stage.name).collect();
     for name in &options.only {
@@ -122,20 +123,16 @@ pub fn run(options: &Options) -> Result<()> {
     }
     let everybodys = |stage: &&Stage| FOR_EVERYBODY.contains(&stage.name);
     let stages: Vec<&Stage> = match (options.only.is_empty(), options.all) {
+        _ if ci => every,
         (false, _) => every.into_iter().filter(|stage| options.only.iter().any(|name| name == stage.name)).collect(),
         (true, true) => STAGES.iter().collect(),
         (true, false) => STAGES.iter().filter(everybodys).collect(),
     };
     test_all(options.all || !stages.iter().all(everybodys));
-    let in_ci = std::env::var("CI").is_ok_and(|value| value == "true" || value == "1");
-    let (require_all, fail_fast) = (options.require_all || in_ci, options.fail_fast);
-    let ahead = options.all && options.only.is_empty();
-    stage::run_all(&stages, Rules { require_all, fail_fast, retry: in_ci, tidy: false, ahead })
-}
-
-pub fn ci(fail_fast: bool) -> Result<()> {
-    let stages: Vec<&Stage> = CHECKS.iter().chain(STAGES).collect();
-    stage::run_all(&stages, Rules { require_all: true, fail_fast, retry: true, tidy: true, ahead: true })
+    let retry = ci || std::env::var("CI").is_ok_and(|value| value == "true" || value == "1");
+    let (require_all, fail_fast) = (options.require_all || retry, options.fail_fast);
+    let ahead = ci || options.all && options.only.is_empty();
+    stage::run_all(&stages, Rules { require_all, fail_fast, retry, tidy: ci, ahead })
 }
 
 /// Compiles what stages need in target folders of their own, in their order. A stage finds it ready, or waits for Cargo's lock, and

@@ -91,27 +91,25 @@ fn known(trees: impl Iterator<Item = String>, metadata: &str) -> Result<Vec<Link
 pub fn write_all(linked: &[Linked], folder: &Path) -> Result<()> {
     let common = common()?;
     let mut texts: Vec<(String, Vec<String>)> = Vec::new();
-    let mut by_words: BTreeMap<Vec<String>, usize> = BTreeMap::new();
     let mut list = String::new();
     for package in linked {
         let title = format!("{} {}", package.name, package.version);
         let mut numbers = Vec::new();
         for text in texts_of(package, &in_root(SUPPLIED), &common)? {
             // Texts that differ only in line breaks are one text.
-            let words: Vec<String> = text.split_whitespace().map(str::to_owned).collect();
-            let number = *by_words.entry(words).or_insert_with(|| {
+            let same = |known: &(String, _)| known.0.split_whitespace().eq(text.split_whitespace());
+            let at = texts.iter().position(same).unwrap_or(texts.len());
+            if at == texts.len() {
                 texts.push((text, Vec::new()));
-                texts.len()
-            });
-            texts[number - 1].1.push(title.clone());
-            numbers.push(number.to_string());
+            }
+            texts[at].1.push(title.clone());
+            numbers.push((at + 1).to_string());
         }
         list += &format!("  {title:44} {:40} {}\n", package.license, numbers.join(", "));
     }
     let mut whole = format!(
-        "What Crumple {} is linked with beside Rust's standard library ({STANDARD_LIBRARY}):\n\
-         package, its license, and the numbers of the texts below.\n\n{list}",
-        VERSION
+        "What Crumple {VERSION} is linked with beside Rust's standard library ({STANDARD_LIBRARY}):\n\
+         package, its license, and the numbers of the texts below.\n\n{list}"
     );
     for (number, (text, of)) in texts.iter().enumerate() {
         whole += &format!("\n{RULE}\n{}: {}\n{RULE}\n\n{}\n", number + 1, of.join(", "), text.trim_end());
