@@ -5,11 +5,14 @@ use crate::prelude::*;
 
 /// Features of the build whose library, command and tests are all used.
 const FEATURES: &str = "cli,host-allocator";
-/// The Rust tests that run for each system. Others take many minutes under qemu.
-const WINDOWS_TESTS: &[&str] = &["--test=cli", "--test=format", "--test=promises", "--test=budget"];
-const VULKAN_TESTS: &[&str] = &["--test=vulkan"];
-const AARCH64_TESTS: &[&str] = &["--test=promises", "--test=stability"];
-const I686_TESTS: &[&str] = &["--test=format", "--test=promises", "--test=budget"];
+/// The Rust programs whose tests run for each system. Others take many minutes under qemu.
+const TESTS: [(&str, &str); 3] = [
+    (WINDOWS, "--test=cli --test=format --test=promises --test=budget --test=vulkan"),
+    (AARCH64, "--test=promises --test=stability"),
+    (I686, "--test=format --test=promises --test=budget"),
+];
+/// Of these, the tests that run under qemu: those whose names contain one of these.
+const QUICK: &str = "quick_ a_body_dents_alike_in_any_unit far_from";
 
 /// The command's input, below the repository's root.
 const INPUT: &[&str] = &["assets/demo/drum.glb", "assets/demo/drum.json"];
@@ -35,64 +38,56 @@ struct Platform {
 
 pub fn windows() -> Result<()> {
     let wine = Wine::start()?;
-    let platform = Platform::install(WINDOWS, vec![wine.program])?;
+    let platform = Platform::install(WINDOWS, wine.program)?;
     let _found = wine.libraries(&[&platform.prefix.join("bin")]);
+    let _driver = sh().push_env("VK_DRIVER_FILES", vulkan::lavapipe()?);
     all_passed(vec![
         ("the archive", package::packed(&platform.built(), Some(&wine))),
         ("Microsoft's linker", platform.microsoft()),
-        ("the Vulkan tests", {
-            let _driver = sh().push_env("VK_DRIVER_FILES", vulkan::lavapipe()?);
-            platform.rust(VULKAN_TESTS, &[])
-        }),
-        ("the other tests", platform.test(WINDOWS_TESTS, &[])),
+        ("the tests", platform.test()),
     ])
 }
 
 pub fn aarch64() -> Result<()> {
-    let runner = vec!["qemu-aarch64", "-L", "/usr/aarch64-linux-gnu"];
-    let platform = Platform::install(AARCH64, runner)?;
-    platform.test(AARCH64_TESTS, &["quick_", "a_body_dents_alike_in_any_unit", "far_from"])
+    Platform::install(AARCH64, "qemu-aarch64 -L /usr/aarch64-linux-gnu")?.test()
 }
 
 pub fn i686() -> Result<()> {
     // The processor runs them. The cross compiler's package has the libraries, not where the system looks for them.
-    let runner = vec!["/usr/i686-linux-gnu/lib/ld-linux.so.2", "--library-path", "/usr/i686-linux-gnu/lib"];
-    Platform::install(I686, runner)?.test(I686_TESTS, &[])
+    let runner = "/usr/i686-linux-gnu/lib/ld-linux.so.2 --library-path /usr/i686-linux-gnu/lib";
+    Platform::install(I686, runner)?.test()
 }
 
 pub fn build() -> Result<()> {
-    let compile = |triple| (triple, compile(&Target::other(triple)));
-    all_passed([WINDOWS, AARCH64, I686].map(compile).into())
+    all_passed(TESTS.map(|(triple, _)| (triple, compile(&Target::other(triple)))).into())
+}
+
+fn programs(target: &Target) -> impl Iterator<Item = &'static str> {
+    TESTS.into_iter().filter(|(triple, _)| target.triple == *triple).flat_map(|(_, tests)| tests.split(' '))
 }
 
 /// Builds the library, the command and tests.
 fn compile(target: &Target) -> Result<()> {
-    let tests: &[&[&str]] = match target.triple.as_str() {
-        WINDOWS => &[WINDOWS_TESTS, VULKAN_TESTS],
-        AARCH64 => &[AARCH64_TESTS],
-        _ => &[I686_TESTS],
-    };
     let what = ["build", "--package", "crumple", "--features", FEATURES, "--lib", "--bin", "crumple"];
-    Ok(target.cargo(&[&what[..], &tests.concat()].concat())?.run()?)
+    Ok(target.cargo(&what)?.args(programs(target)).run()?)
 }
 
 impl Platform {
-    fn install(triple: &str, runner: Vec<&'static str>) -> Result<Self> {
+    fn install(triple: &str, runner: &'static str) -> Result<Self> {
         let (target, prefix) = (Target::other(triple), empty(in_target(format!("prefix-{triple}")))?);
         compile(&target)?;
-        let platform = Self { target, runner, prefix };
+        let platform = Self { target, runner: runner.split(' ').collect(), prefix };
         install::lay_out(&platform.built(), &platform.prefix)?;
         let shared = install::shared(&platform.target, &platform.prefix);
-        abi::exported(&in_root(INCLUDE), &shared)?;
+        abi::exported(Path::new(INCLUDE), &shared)?;
         install::loads_well(&platform.target, &shared)?;
         Ok(platform)
     }
 
-    /// `programs` are Rust's; of their tests those run whose names contain one of `names`.
-    fn test(&self, programs: &[&str], names: &[&str]) -> Result<()> {
+    fn test(&self) -> Result<()> {
         all_passed(vec![
             ("the C and C++ tests", self.c()),
-            ("the Rust tests", self.rust(programs, names)),
+            ("the Rust tests", self.rust()),
             ("the same files", self.same_files()),
         ])
     }
@@ -115,10 +110,10 @@ impl Platform {
         })
     }
 
-    /// Runs Rust tests: `programs`, and of these the tests whose names contain one of `names`, if there are any.
-    fn rust(&self, programs: &[&str], names: &[&str]) -> Result<()> {
+    fn rust(&self) -> Result<()> {
         let what = ["test", "--no-fail-fast", "--package", "crumple", "--features", FEATURES];
-        let tests = self.target.cargo(&[&what[..], programs, &["--"], names].concat())?;
+        let quick = QUICK.split(' ').filter(|_| self.target.triple == AARCH64);
+        let tests = self.target.cargo(&what)?.args(programs(&self.target)).arg("--").args(quick);
         Ok(tests.env(self.target.variable("RUNNER"), self.runner.join(" ")).env("PROPTEST_CASES", "4").run()?)
     }
 
