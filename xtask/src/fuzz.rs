@@ -80,29 +80,19 @@ impl Target<'_> {
     /// Its call. It adds to the corpus, reads what is kept too, and leaves what breaks it in `found`.
     fn fuzzer(&self, options: &Options, found: &Path) -> Result<(String, Command)> {
         let Self { name, program, corpus, kept } = self;
-        for folder in [corpus, found] {
-            make(folder)?;
-        }
-        let (seconds, seed) = (options.seconds.to_string(), options.seed.to_string());
+        [corpus, found].into_iter().try_for_each(make)?;
+        let Options { seconds, seed, .. } = options;
         // The first folder receives new inputs; the others are only read.
         let folders = [corpus].into_iter().chain(Some(kept).filter(|kept| kept.exists()));
-        let artifacts = format!("-artifact_prefix={}/", found.display());
+        let dictionary = Some(in_root("fuzz/dictionaries").join(name)).filter(|dictionary| dictionary.exists());
+        let dictionary = dictionary.map(|dictionary| format!("-dict={}", dictionary.display()));
         let limits = ["-timeout=30", "-rss_limit_mb=2048", "-malloc_limit_mb=1024", "-max_len=65536"];
-        let mut fuzz = cmd!(
-            "{program} {folders...} {artifacts} {limits...} -max_total_time={seconds} -seed={seed} -print_final_stats=1"
-        )
-        .env("CRUMPLE_SEEDS", corpus);
-        let dictionary = in_root("fuzz/dictionaries").join(name);
-        if dictionary.exists() {
-            fuzz = fuzz.arg(format!("-dict={}", dictionary.display()));
-        }
-        if *name == "device" {
-            // Both software drivers, if they are there. Mesa's device selection layer prints errors without a display.
-            fuzz = fuzz.env("NODEVICE_SELECT", "1");
-            if let Ok(drivers) = vulkan::drivers() {
-                fuzz = fuzz.env("VK_DRIVER_FILES", std::env::join_paths(drivers)?);
-            }
-        }
+        let numbers = [format!("-max_total_time={seconds}"), format!("-seed={seed}")];
+        let fuzz = cmd!("{program} {folders...} {limits...} {numbers...} -print_final_stats=1 {dictionary...}");
+        let fuzz = fuzz.arg(format!("-artifact_prefix={}/", found.display())).env("CRUMPLE_SEEDS", corpus);
+        // Both software drivers, if they are there. Mesa's device selection layer prints errors without a display.
+        let drivers = vulkan::drivers().ok().filter(|_| *name == "device").map(std::env::join_paths).transpose()?;
+        let fuzz = fuzz.env("NODEVICE_SELECT", "1").envs(drivers.map(|drivers| ("VK_DRIVER_FILES", drivers)));
         Ok((format!("{name} (what broke it lies in {})", found.display()), fuzz.into()))
     }
 

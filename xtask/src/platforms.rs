@@ -1,5 +1,6 @@
-//! Tests of the builds for other systems: Windows under Wine, Linux on 64-bit ARM under qemu, 32-bit Linux. What their programs write
-//! must equal, byte for byte, what the programs of this machine write. Vulkan under Wine uses this machine's drivers.
+//! Tests of the builds for other systems: Windows under Wine, Linux on 64-bit ARM under qemu, 32-bit Linux. What the command writes
+//! there must equal, byte for byte, what it writes here; the golden hashes of `promises` hold the rest. Vulkan under Wine uses this
+//! machine's drivers.
 
 use crate::prelude::*;
 

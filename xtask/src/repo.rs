@@ -52,7 +52,7 @@ pub fn run(fix: bool) -> Result<()> {
 
 /// The plugins' manifests and the changelog name the workspace's version.
 fn versions() -> Result<()> {
-    let version = &VERSION;
+    let version = VERSION;
     for (file, entry) in [
         ("bindings/unity/package.json", format!("\"version\": \"{version}\"")),
         ("bindings/unreal/Crumple.uplugin", format!("\"VersionName\": \"{version}\"")),
@@ -128,8 +128,8 @@ fn called() -> Result<()> {
     let functions = declarations::names(INCLUDE)?;
     let fuzzed = files(CALLS)?.iter().map(read).collect::<Result<String>>()?;
     // With the headers that it includes.
-    let refusals = [REFUSALS, "tests/c/support.h", "tests/c/heap.h"].map(read);
-    let refusals = refusals.into_iter().collect::<Result<String>>()?;
+    let refusals =
+        [REFUSALS, "tests/c/support.h", "tests/c/heap.h"].into_iter().map(read).collect::<Result<String>>()?;
     for (path, text, without) in [(CALLS, fuzzed, "\0"), (REFUSALS, refusals, "vulkan")] {
         let called = |name: &str| name.contains(without) || text.contains(&format!("{name}("));
         let missing: Vec<_> = functions.iter().filter(|name| !called(name)).collect();

@@ -51,11 +51,8 @@ impl Target {
 
     /// The file of the shared library, as Cargo names it.
     pub fn shared(&self) -> &'static str {
-        match () {
-            () if self.is_windows() => "crumple.dll",
-            () if self.is_macos() => "libcrumple.dylib",
-            () => "libcrumple.so",
-        }
+        let unix = if self.is_macos() { "libcrumple.dylib" } else { "libcrumple.so" };
+        if self.is_windows() { "crumple.dll" } else { unix }
     }
 
     /// The file of the static library, as Cargo names it.
@@ -106,12 +103,9 @@ impl Target {
     }
 
     /// The system libraries that Rust's standard library links there.
-    pub fn static_needs(&self) -> &'static [&'static str] {
-        if self.is_windows() {
-            &["-lkernel32", "-lntdll", "-luserenv", "-lws2_32", "-ldbghelp"]
-        } else {
-            &["-lgcc_s", "-lutil", "-lrt", "-lpthread", "-lm", "-ldl", "-lc"]
-        }
+    pub fn static_needs(&self) -> &'static str {
+        let windows = "-lkernel32 -lntdll -luserenv -lws2_32 -ldbghelp";
+        if self.is_windows() { windows } else { "-lgcc_s -lutil -lrt -lpthread -lm -ldl -lc" }
     }
 
     /// Cargo with these arguments, building for this system with no path of this machine in the binaries.
