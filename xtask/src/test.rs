@@ -20,14 +20,11 @@ pub struct Options {
 
 /// The checks that `cargo xtask ci` runs before the tests.
 const CHECKS: &[Stage] = stages! {
-    "repository": || repo::run(false),
-        "sizes, shown programs, changelog, .meta files and quoted messages are right";
+    "repository": || repo::run(false), "sizes, shown programs, changelog, .meta files and quoted messages are right";
     "rooms": rooms::run, "the imports of src keep the order of its rooms";
-    "header": || header::run(true),
-        "the committed header and the C# and Python declarations match the sources";
+    "header": || header::run(true), "the committed header and the C# and Python declarations match the sources";
     "format": || Ok(cargo(&["fmt", "--all", "--check"]).run()?), "rustfmt changes nothing";
-    "lints": || clippy(&["--workspace", "--all-targets", "--all-features"]),
-        "clippy finds nothing, with all features";
+    "lints": || clippy(&["--workspace", "--all-targets", "--all-features"]), "clippy finds nothing, with all features";
     "lints-slim": || clippy(&["--package", "crumple", "--lib", "--no-default-features"]),
         "clippy finds nothing in the library without features";
     "documentation": documentation, "rustdoc finds nothing";
@@ -53,24 +50,21 @@ const STAGES: &[Stage] = stages! {
         needs: &[CC, CXX, CMAKE, PKG_CONFIG], wants: &[ODE, BULLET, VULKAN_HEADERS, PNG],
         elsewhere: unless(cfg!(not(windows)), "not done on Windows, where pkg-config is rare");
     "abi": abi::stage, "programs built against the last release fit the header of today", needs: &[CC, ABIGAIL];
-    "csharp": csharp::run, "the C# layer works under Mono and rejects libraries that do not fit",
-        needs: &[CC, MONO], elsewhere: unless(LINUX, "done with Debian's Mono on Linux only");
+    "csharp": csharp::run, "the C# layer works under Mono and rejects libraries that do not fit", needs: &[CC, MONO],
+        elsewhere: unless(LINUX, "done with Debian's Mono on Linux only");
     "python": python::stage,
         "the Python package works as a wheel in an environment of its own, and makes examples for bare meshes",
         needs: &[CC, PYTHON311], elsewhere: unless(LINUX, "the wheel was built and tried on Linux only");
-    "sanitizers": native::sanitizers,
-        "the C and C++ tests pass under gcc's address and undefined behaviour sanitizers",
+    "sanitizers": native::sanitizers, "the C and C++ tests pass under gcc's address and undefined behaviour sanitizers",
         needs: &[CC, CXX, CMAKE], wants: &[ODE, BULLET, VULKAN, VULKAN_HEADERS, PNG], leaves: &["ctest/sanitizers"],
         elsewhere: unless(LINUX, "done with gcc on Linux only");
     "valgrind-c": valgrind::c, "valgrind finds no error and no leak in the C and C++ tests",
         needs: &[CC, CXX, CMAKE, VALGRIND], wants: &[ODE, BULLET, VULKAN, VULKAN_HEADERS, PNG];
     "valgrind-rust": valgrind::rust, "valgrind finds no error and no leak in the Rust tests", needs: &[VALGRIND];
-    "engines": lab::engines,
-        "every truth's hits thrown in rapier, Bullet and Jolt leave what their blows leave",
+    "engines": lab::engines, "every truth's hits thrown in rapier, Bullet and Jolt leave what their blows leave",
         needs: &[CC, CXX, CMAKE, BULLET], leaves: &["jolt", "throws"];
     "demo": car::demo_stage, "`cargo xtask demo` crashes the car";
-    "car": car::stage,
-        "the car's script makes a car: parts, sizes, closed inner solids, normals, symmetry, valid glTF",
+    "car": car::stage, "the car's script makes a car: parts, sizes, closed inner solids, normals, symmetry, valid glTF",
         needs: &[PYTHON3], wants: &[NPM];
     "blender": exports::opened_by_blender, "Blender opens what the command exports",
         needs: &[PYTHON311, BLENDER_LIBRARIES];
@@ -89,12 +83,11 @@ const STAGES: &[Stage] = stages! {
         "what Blender, three.js, assimp, trimesh and Godot write is read, and what no dent reached is kept",
         needs: &[PYTHON311, BLENDER_LIBRARIES, NPM, ASSIMP], leaves: &["blender-bpy42", "godot-engine"],
         elsewhere: unless(LINUX_X86_64, "Blender and Godot are fetched for Linux on x86-64 only");
-    "web": web::stage,
-        "the WebAssembly module gives the same bits under Node, and its page dents a hood in Chromium",
+    "web": web::stage, "the WebAssembly module gives the same bits under Node, and its page dents a hood in Chromium",
         needs: &[WEB_RUST, LLVM, NPM, CHROMIUM];
     "fuzz": fuzz::stage, "ten seconds of fuzzing find nothing at any door", needs: &[CXX], leaves: &["fuzz"];
-    "threads": nightly::threads, "ThreadSanitizer finds no data race where threads share a context",
-        needs: &[CC], leaves: &["sanitizers"];
+    "threads": nightly::threads, "ThreadSanitizer finds no data race where threads share a context", needs: &[CC],
+        leaves: &["sanitizers"];
     "windows": platforms::windows,
         "library, command and archive for Windows work under Wine, and write the same bytes as here",
         needs: FOR_WINDOWS, leaves: &["cross/x86_64-pc-windows-gnu", "wine"];
@@ -106,8 +99,7 @@ const STAGES: &[Stage] = stages! {
     "vulkan": vulkan::run,
         "the Vulkan tests pass on lavapipe under validation; with --all also on SwiftShader, and those of wgpu",
         needs: &[VULKAN], wants: &[SWIFTSHADER];
-    "rust": rust,
-        "the Rust tests and documentation examples pass; with --all also those of wgpu, the lab and xtask";
+    "rust": rust, "the Rust tests and documentation examples pass; with --all also those of wgpu, the lab and xtask";
     "ctest": native::ctest,
         "the C and C++ tests pass with the installed library; with --all also Unity's renderer plugin",
         needs: &[CC, CXX, CMAKE], wants: &[ODE, BULLET, VULKAN, SWIFTSHADER, VULKAN_HEADERS, PNG];
