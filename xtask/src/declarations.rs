@@ -101,20 +101,14 @@ pub fn declared<'a>(items: &'a [Item], name: &str) -> Option<&'a Form> {
 
 /// Breaks a declaration after commas where it would be wider.
 pub fn wrapped(declaration: &str, width: usize, indent: usize) -> String {
-    let mut parts = declaration.split_inclusive(", ");
-    let mut text = parts.next().unwrap_or_default().to_owned();
-    let mut line = text.len();
-    for part in parts {
-        if line + part.trim_end().len() > width {
-            text.truncate(text.trim_end().len());
-            text.push('\n');
-            text.push_str(&" ".repeat(indent));
-            line = indent;
+    let mut lines = vec![String::new()];
+    for part in declaration.split_inclusive(", ") {
+        if lines.last().is_some_and(|line| !line.is_empty() && line.len() + part.trim_end().len() > width) {
+            lines.push(" ".repeat(indent));
         }
-        text.push_str(part);
-        line += part.len();
+        lines.last_mut().into_iter().for_each(|line| *line += part);
     }
-    text
+    lines.iter().map(|line| line.trim_end()).collect::<Vec<_>>().join("\n")
 }
 
 /// A declaration, after its comment.
