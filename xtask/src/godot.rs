@@ -156,7 +156,11 @@ impl Godot {
 
     fn engine(&self, settings: &str, arguments: &str) -> Result<Cmd<'static>> {
         let (Self { engine, project }, arguments) = (self, arguments.split(' '));
-        write(project.join("override.cfg"), settings)?;
+        let file = project.join("override.cfg");
+        // Another engine may read it now.
+        if read(&file).unwrap_or_default() != settings {
+            write(file, settings)?;
+        }
         Ok(cmd!("timeout {PATIENCE} {engine} --path {project} {arguments...}"))
     }
 
