@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 /// The keys of `case.json`, or of each case of its list:
 ///
 /// - `about`: the kind of file, in a sentence.
-/// - `run`: command lines. `error`: the last one fails.
+/// - `run`: command lines; without it `in.gltf` or `in.glb` is applied to `hits.json`. `error`: the last one fails.
 /// - `says`, `never`: texts that the output has, or has not.
-/// - `of`: the file of which `o.glb` was made; they may differ only where a dent reached.
+/// - `of`: the file of which `o.glb` was made, that of a case without `run` anyway; they may differ only where a dent reached.
 /// - `moved`: how many vertices of triangles moved: a number, or the least and the most.
 /// - `is`: values in `o.glb` by JSON pointer; `{n}` after that of an accessor's index is its n-th element.
 const KEYS: [&str; 8] = ["about", "run", "error", "says", "never", "of", "moved", "is"];
@@ -31,7 +31,11 @@ fn check(folder: &Path, case: &Value) -> Vec<String> {
         case[key].as_array().into_iter().flatten().map(|v| v.as_str().unwrap().to_owned()).collect()
     };
     let mut printed = String::new();
-    let lines = texts("run");
+    let (mut lines, mut of) = (texts("run"), case["of"].as_str());
+    if lines.is_empty() {
+        of = ["in.gltf", "in.glb"].into_iter().find(|name| folder.join(name).exists());
+        lines.push(format!("apply {} --impacts hits.json -o o.glb", of.unwrap()));
+    }
     for (i, line) in lines.iter().enumerate() {
         let run = crumple_in(work.path(), &line.split(' ').collect::<Vec<_>>());
         let (text, should_fail) = (run.text(), case["error"] == true && i + 1 == lines.len());
@@ -46,7 +50,7 @@ fn check(folder: &Path, case: &Value) -> Vec<String> {
     wrong.extend(texts("says").into_iter().filter(|t| !printed.contains(t)).map(|t| format!("it does not say '{t}'")));
     wrong.extend(texts("never").into_iter().filter(|t| printed.contains(t)).map(|t| format!("it says '{t}'")));
     let output = work.path().join("o.glb");
-    if let Some(source) = case["of"].as_str() {
+    if let Some(source) = of {
         let report = compare::compare(&work.path().join(source), work.path(), &output);
         wrong.extend(report.differences);
         let (least, most) = match &case["moved"] {
