@@ -67,27 +67,42 @@ fn stepped(contacts: &ContactLayer, points: &[ContactPoint]) -> ContactReport {
     contacts.step(STEP).unwrap()
 }
 
-/// The points of a step, made for a body.
-type Points<'a> = &'a dyn Fn(&Instance) -> Vec<ContactPoint>;
+/// A point of a step: its place on the sheet, its speed and its impulse.
+type Touch = ([f32; 2], f32, Option<f32>);
 
-/// The depth that steps leave.
-fn after(set: &Arc<ExampleSet>, options: ContactOptions, steps: &[Points<'_>]) -> f32 {
-    let (mut body, contacts) = (new(set), layer(options));
-    for step in steps {
-        let report = stepped(&contacts, &step(&body));
-        assert_eq!(report.refusal, None);
-    }
-    depth(&mut body)
+/// A point in the middle.
+fn middle(speed: f32, impulse: f32) -> [Touch; 1] {
+    [([0.0; 2], speed, Some(impulse))]
 }
 
-/// A body and its layer after steps of one point in its middle, each with a speed and an impulse.
-fn struck(set: &Arc<ExampleSet>, seconds: f32, steps: &[(f32, Option<f32>)]) -> (Instance, ContactLayer) {
-    let (body, contacts) = (new(set), default());
-    for (speed, impulse) in steps {
-        contacts.report(&[point(&body, [0.0; 2], *speed, *impulse)]).unwrap();
-        contacts.step(seconds).unwrap();
+/// A body and its layer after steps of these points.
+fn struck(
+    set: &Arc<ExampleSet>,
+    options: ContactOptions,
+    seconds: f32,
+    steps: &[impl AsRef<[Touch]>],
+) -> (Instance, ContactLayer) {
+    let (body, contacts) = (new(set), layer(options));
+    for step in steps {
+        let points = step.as_ref().iter().map(|(at, speed, impulse)| point(&body, *at, *speed, *impulse));
+        contacts.report(&points.collect::<Vec<_>>()).unwrap();
+        assert_eq!(contacts.step(seconds).unwrap().refusal, None);
     }
     (body, contacts)
+}
+
+/// The depth that they leave at 60 Hz.
+fn left(set: &Arc<ExampleSet>, steps: &[impl AsRef<[Touch]>]) -> f32 {
+    depth(&mut struck(set, ContactOptions::default(), STEP, steps).0)
+}
+
+/// The depth that a point in the middle leaves after a change.
+fn left_by(set: &Arc<ExampleSet>, gain: f32, speed: f32, impulse: f32, change: impl Fn(&mut ContactPoint)) -> f32 {
+    let (mut body, contacts) = (new(set), layer(ContactOptions { gain, ..Default::default() }));
+    let mut p = point(&body, [0.0; 2], speed, Some(impulse));
+    change(&mut p);
+    assert_eq!(stepped(&contacts, &[p]).refusal, None);
+    depth(&mut body)
 }
 
 /// The dent of one whole blow, told without the layer.
@@ -100,41 +115,28 @@ fn quick_a_contact_leaves_what_the_blow_leaves() {
     let set = set(1.0);
     let expected = told(&set, 5.0, MASS);
     assert!(expected > 0.02, "{expected}");
-    let got = |change: &dyn Fn(&mut ContactPoint)| {
-        let one = |body: &Instance| {
-            let mut p = point(body, [0.0; 2], 5.0, Some(40.0));
-            change(&mut p);
-            vec![p]
-        };
-        after(&set, ContactOptions::default(), &[&one])
-    };
-    // Each row of the table of what is known.
-    assert!(same(got(&|_| ()), expected, 1e-4));
-    assert!(same(got(&|p| p.masses = [None; 2]), expected, 1e-4));
-    assert!(same(got(&|p| p.velocity = None), expected, 1e-4));
-    assert!(same(got(&|p| p.impulse = None), expected, 1e-4));
-    assert!(same(
-        got(&|p| (p.impulse, p.inverse_mass, p.masses) = (None, Some(1.0 / MASS), [None; 2])),
-        expected,
-        1e-4
-    ));
-    let alone = got(&|p| (p.velocity, p.masses) = (None, [None; 2]));
-    assert!(same(alone, expected, 0.25), "an impulse alone leaves {alone} instead of {expected}");
-    // Two free bodies: the reduced mass.
-    let reduced = got(&|p| (p.impulse, p.masses) = (None, [Some(2.0 * MASS), Some(2.0 * MASS)]));
-    assert!(same(reduced, expected, 1e-4));
+    // Each row of the table of what is known; last two free bodies, with their reduced mass.
+    type Change = fn(&mut ContactPoint);
+    let rows: [(Change, f32); 7] = [
+        (|_| (), 1e-4),
+        (|p| p.masses = [None; 2], 1e-4),
+        (|p| p.velocity = None, 1e-4),
+        (|p| p.impulse = None, 1e-4),
+        (|p| (p.impulse, p.inverse_mass, p.masses) = (None, Some(1.0 / MASS), [None; 2]), 1e-4),
+        (|p| (p.velocity, p.masses) = (None, [None; 2]), 0.25), // an impulse alone
+        (|p| (p.impulse, p.masses) = (None, [Some(2.0 * MASS), Some(2.0 * MASS)]), 1e-4),
+    ];
+    for (row, (change, within)) in rows.into_iter().enumerate() {
+        let got = left_by(&set, 1.0, 5.0, 40.0, change);
+        assert!(same(got, expected, within), "row {row}: {got} instead of {expected}");
+    }
 }
 
 #[test]
 fn quick_the_points_of_a_manifold_are_one_blow() {
     let set = set(1.0);
     let expected = told(&set, 5.0, MASS);
-    let corners = |impulses: [Option<f32>; 4]| {
-        move |body: &Instance| {
-            let at = [[-0.02, -0.02], [0.02, -0.02], [-0.02, 0.02], [0.02, 0.02]];
-            at.iter().zip(impulses).map(|(at, j)| point(body, *at, 5.0, j)).collect()
-        }
-    };
+    let corners = [[-0.02, -0.02], [0.02, -0.02], [-0.02, 0.02], [0.02, 0.02]];
     for (impulses, share) in [
         (Impulses::PerPoint, Some(10.0)),
         (Impulses::WholeAtEveryPoint, Some(40.0)),
@@ -142,21 +144,21 @@ fn quick_the_points_of_a_manifold_are_one_blow() {
         (Impulses::ZeroIsUnknown, Some(0.0)),
     ] {
         let options = ContactOptions { impulses, ..ContactOptions::default() };
-        let got = after(&set, options, &[&corners([share; 4])]);
+        let got = depth(&mut struck(&set, options, STEP, &[corners.map(|at| (at, 5.0, share))]).0);
         assert!(same(got, expected, 1e-3), "{impulses:?} {share:?}: {got} instead of {expected}");
     }
     // Uneven shares move the centre, not the energy.
-    let uneven = after(&set, ContactOptions::default(), &[&corners([Some(25.0), Some(5.0), Some(5.0), Some(5.0)])]);
-    assert!(same(uneven, expected, 0.1));
+    let uneven = [0, 1, 2, 3].map(|i| (corners[i], 5.0, Some([25.0, 5.0, 5.0, 5.0][i])));
+    assert!(same(left(&set, &[uneven]), expected, 0.1));
 }
 
 #[test]
 fn quick_points_further_apart_than_a_dent_share_the_energy() {
     let set = set(1.0);
-    let row =
-        |body: &Instance| (-4..=4).map(|i| point(body, [0.1 * i as f32, 0.0], 5.0, Some(10.0))).collect::<Vec<_>>();
-    let (mut body, contacts) = (new(&set), layer(ContactOptions { dent_radius: Some(0.15), ..Default::default() }));
-    let report = stepped(&contacts, &row(&body));
+    let row: Vec<Touch> = (-4..=4).map(|i| ([0.1 * i as f32, 0.0], 5.0, Some(10.0))).collect();
+    let options = ContactOptions { dent_radius: Some(0.15), ..Default::default() };
+    let (mut body, contacts) = struck(&set, options, STEP, &[row]);
+    let report = contacts.totals();
     assert!((3..=5).contains(&report.begun), "{report:?}");
     assert!(report.hits >= report.begun);
     assert!(depth(&mut body) < told(&set, 5.0, 90.0 / 5.0));
@@ -168,17 +170,16 @@ fn quick_the_steps_of_a_touch_are_one_dent() {
     let set = set(1.0);
     let expected = told(&set, 5.0, MASS);
     for parts in [1usize, 2, 4, 8, 20] {
-        let slower = |i: usize| (5.0 * (1.0 - i as f32 / parts as f32), Some(40.0 / parts as f32));
+        let slower = |i: usize| middle(5.0 * (1.0 - i as f32 / parts as f32), 40.0 / parts as f32);
         let steps: Vec<_> = (0..parts).map(slower).collect();
-        let (mut body, contacts) = struck(&set, 0.08 / parts as f32, &steps);
+        let (mut body, contacts) = struck(&set, ContactOptions::default(), 0.08 / parts as f32, &steps);
         assert_eq!(body.marks().unwrap().len(), 1, "{parts} parts");
         let got = depth(&mut body);
         assert!(same(got, expected, 0.05), "{parts} parts: {got} instead of {expected}");
         assert_eq!(contacts.totals().begun, 1);
     }
     // The guess that the bodies stop each other counts once.
-    let (mut body, _) = struck(&set, STEP, &[5.0, 4.0, 2.0, 1.0].map(|speed| (speed, None)));
-    assert!(same(depth(&mut body), expected, 1e-3));
+    assert!(same(left(&set, &[5.0, 4.0, 2.0, 1.0].map(|speed| [([0.0; 2], speed, None)])), expected, 1e-3));
     // Known velocities after the step add up to the same.
     let (mut body, contacts) = (new(&set), default());
     for (before, after) in [(5.0, 3.0), (3.0, 0.5), (0.5, 0.0)] {
@@ -199,42 +200,32 @@ fn quick_a_touch_ends_by_separation_or_by_time() {
     let ended: Vec<u64> = (0..4).map(|_| contacts.step(STEP).unwrap().ended).collect();
     assert_eq!(ended, [0, 0, 1, 0], "0.05 s without a point");
     // A pair that never separates ends by time, and then begins anew.
-    let reports: Vec<ContactReport> = (0..60)
-        .map(|_| {
-            strike(5.0);
-            contacts.step(STEP).unwrap()
-        })
-        .collect();
-    let begun: u64 = reports.iter().map(|r| r.begun).sum();
+    let mut begun = 0;
+    for _ in 0..60 {
+        strike(5.0);
+        let report = contacts.step(STEP).unwrap();
+        assert!(report.open <= 1);
+        begun += report.begun;
+    }
     assert!((8..=10).contains(&begun), "{begun} in a second");
-    assert!(reports.iter().all(|r| r.open <= 1));
     // A much faster blow at the same place is another.
-    let (_body, contacts) = struck(&set, STEP, &[(1.0, Some(10.0)), (6.0, Some(10.0))]);
+    let (_body, contacts) = struck(&set, Default::default(), STEP, &[middle(1.0, 10.0), middle(6.0, 10.0)]);
     assert_eq!(contacts.totals().begun, 2);
 }
 
 #[test]
 fn quick_a_harder_impulse_dents_deeper() {
     let set = set(1.0);
-    let depths = [1.0, 2.0, 4.0, 1000.0].map(|factor| {
-        let one = |body: &Instance| vec![point(body, [0.0; 2], 3.0, Some(24.0 * factor))];
-        after(&set, ContactOptions::default(), &[&one])
-    });
+    let factors = [1.0, 2.0, 4.0, 1000.0];
+    let depths = factors.map(|factor| left(&set, &[middle(3.0, 24.0 * factor)]));
     assert!(depths.is_sorted_by(|a, b| b > &(a * 1.2)), "{depths:?}");
     // By the learned law: as a striker of so many times the mass.
-    for (depth, factor) in depths.into_iter().zip([1.0, 2.0, 4.0, 1000.0]) {
+    for (depth, factor) in depths.into_iter().zip(factors) {
         let expected = told(&set, 3.0, MASS * factor);
         assert!(same(depth, expected, 1e-3), "times {factor}: {depth} m instead of {expected} m");
     }
     // A gain is a factor of the impulse.
-    let gain = |gain: f32, of_point: f32| {
-        let one = |body: &Instance| {
-            let mut p = point(body, [0.0; 2], 3.0, Some(24.0));
-            p.gain = of_point;
-            vec![p]
-        };
-        after(&set, ContactOptions { gain, ..Default::default() }, &[&one])
-    };
+    let gain = |gain: f32, of_point: f32| left_by(&set, gain, 3.0, 24.0, |p| p.gain = of_point);
     assert!(same(gain(2.0, 2.0), depths[2], 1e-4));
     assert_eq!((gain(0.0, 1.0), gain(1.0, 0.0)), (0.0, 0.0));
 }
@@ -243,25 +234,17 @@ fn quick_a_harder_impulse_dents_deeper() {
 fn quick_what_a_solver_pushes_apart_is_no_blow() {
     let set = set(1.0);
     let expected = told(&set, 5.0, MASS);
-    let got = |factor: f32| {
-        let manifold = |body: &Instance| {
-            let at = [[-0.02, -0.02], [0.02, 0.02]];
-            at.map(|at| point(body, at, 5.0, Some(20.0 * factor))).to_vec()
-        };
-        after(&set, ContactOptions::default(), &[&manifold])
-    };
+    let got = |factor: f32| left(&set, &[[[-0.02, -0.02], [0.02, 0.02]].map(|at| (at, 5.0, Some(20.0 * factor)))]);
     // 40 N s stop the striker. Solvers push bodies apart that sank into each other.
     for factor in [1.0, 1.04, 1.2, 1.25] {
         assert!(same(got(factor), expected, 1e-3), "{factor} times what stops it: {} m", got(factor));
     }
     // Nor is what it pushes aside at points that do not approach.
-    let side = |body: &Instance| {
-        let mut side = point(body, [0.02, 0.0], 0.1, Some(30.0));
-        (side.normal, side.velocity) = ([1.0, 0.0, 0.0], Some([0.0, 0.0, -5.0]));
-        vec![point(body, [0.0; 2], 5.0, Some(1.2 * 40.0)), side]
-    };
-    let aside = after(&set, ContactOptions::default(), &[&side]);
-    assert!(same(aside, expected, 1e-3), "{aside} m instead of {expected} m");
+    let (mut body, contacts) = (new(&set), default());
+    let mut side = point(&body, [0.02, 0.0], 0.1, Some(30.0));
+    (side.normal, side.velocity) = ([1.0, 0.0, 0.0], Some([0.0, 0.0, -5.0]));
+    stepped(&contacts, &[point(&body, [0.0; 2], 5.0, Some(1.2 * 40.0)), side]);
+    assert!(same(depth(&mut body), expected, 1e-3), "{} m instead of {expected} m", depth(&mut body));
     let factors = [1.25, 1.3, 1.5, 1.7, 1.75, 2.0];
     assert!(factors.map(got).is_sorted_by(|a, b| a < b), "{:?}", factors.map(got));
     assert!(same(got(2.0), told(&set, 5.0, 2.0 * MASS), 1e-3));
@@ -271,33 +254,25 @@ fn quick_what_a_solver_pushes_apart_is_no_blow() {
 fn quick_the_steps_of_a_touch_bring_no_more_than_the_approach() {
     let set = set(1.0);
     let expected = told(&set, 5.0, MASS);
-    let step =
-        |at: [f32; 2], speed: f32, impulse: f32| move |body: &Instance| vec![point(body, at, speed, Some(impulse))];
-    let first = step([0.0; 2], 5.0, 30.0);
+    let first = middle(5.0, 30.0);
     // 40 N s stop the striker, in however many steps, and the solver pushes on.
-    let got = after(&set, Default::default(), &[&first, &step([0.0; 2], 2.0, 10.0), &step([0.0; 2], 1.0, 15.0)]);
+    let got = left(&set, &[first, middle(2.0, 10.0), middle(1.0, 15.0)]);
     assert!(same(got, expected, 1e-3), "{got} m instead of {expected} m");
-    let corner = step([0.0; 2], 5.5, 15.0);
-    let got = after(&set, Default::default(), &[&step([0.0; 2], 5.0, 35.0), &corner]);
+    let got = left(&set, &[middle(5.0, 35.0), middle(5.5, 15.0)]);
     assert!(same(got, told(&set, 5.5, 40.0 / 5.5 * (5.0 / 5.5)), 0.05), "{got} m");
     // A place further off gets what is left.
-    let far = [0.3, 0.0];
     let both = |second: f32| {
-        let (mut body, contacts) = (new(&set), default());
-        for points in [first(&body), step(far, 4.0, second)(&body)] {
-            stepped(&contacts, &points);
-        }
+        let (mut body, contacts) = struck(&set, Default::default(), STEP, &[first, [([0.3, 0.0], 4.0, Some(second))]]);
         (depth(&mut body), contacts.totals())
     };
-    let (left, totals) = both(12.5);
+    let (deep, totals) = both(12.5);
     assert_eq!((totals.begun, totals.hits), (2, 2));
-    assert_eq!(both(50.0 / 4.0 * 1.5).0, left, "50 J of the 100 were left");
+    assert_eq!(both(50.0 / 4.0 * 1.5).0, deep, "50 J of the 100 were left");
     // What is pushed as hard in one step counts, and so does a blow after the bodies separated.
-    let hard = after(&set, Default::default(), &[&first, &step([0.0; 2], 5.0, 120.0)]);
+    let hard = left(&set, &[first, middle(5.0, 120.0)]);
     assert!(hard > 1.2 * expected, "{hard} m");
-    let nothing = |_: &Instance| Vec::new();
-    let again = after(&set, Default::default(), &[&first, &nothing, &nothing, &nothing, &nothing, &first]);
-    let once = after(&set, Default::default(), &[&first]);
+    let again = left(&set, &[&first[..], &[], &[], &[], &[], &first]);
+    let once = left(&set, &[first]);
     assert!(again > 1.2 * once, "{again} m after {once} m");
 }
 
@@ -307,13 +282,13 @@ fn quick_the_steps_of_a_touch_bring_no_more_than_the_approach() {
 fn quick_the_rest_of_a_blow_counts_however_slow_it_is() {
     let set = set(1.0);
     for hz in [30.0, 60.0, 240.0] {
-        let run = |steps: &[(f32, Option<f32>)]| depth(&mut struck(&set, 1.0 / hz, steps).0);
+        let run = |steps: &[[Touch; 1]]| depth(&mut struck(&set, Default::default(), 1.0 / hz, steps).0);
         let expected = told(&set, 2.0, MASS);
-        let got = run(&[(2.0, Some(1.5 * MASS)), (0.5, Some(0.5 * MASS))]);
+        let got = run(&[middle(2.0, 1.5 * MASS), middle(0.5, 0.5 * MASS)]);
         assert!(same(got, expected, 1e-3), "{hz} Hz: {got} m instead of {expected} m");
         // The weight of a body that lies there adds nothing to what stopped it.
-        let mut steps = vec![(9.81 / hz, Some(MASS * 9.81 / hz)); 61];
-        steps[0] = (2.0, Some(2.0 * MASS));
+        let mut steps = vec![middle(9.81 / hz, MASS * 9.81 / hz); 61];
+        steps[0] = middle(2.0, 2.0 * MASS);
         let rests = run(&steps);
         assert!(same(rests, expected, 1e-3), "{hz} Hz: {rests} m instead of {expected} m");
     }
@@ -323,7 +298,7 @@ fn quick_the_rest_of_a_blow_counts_however_slow_it_is() {
 fn quick_what_is_slow_or_weak_or_separates_leaves_nothing() {
     let set = set(1.0);
     let count = |speed: f32, impulse: f32| {
-        let (mut body, contacts) = struck(&set, STEP, &[(speed, Some(impulse)); 600]);
+        let (mut body, contacts) = struck(&set, Default::default(), STEP, &[middle(speed, impulse); 600]);
         assert!(body.marks().unwrap().is_empty(), "{speed} m/s, {impulse} N s");
         contacts.totals()
     };
@@ -392,15 +367,7 @@ fn quick_two_bodies_share_by_how_they_give_way() {
     assert!(softer > 1.2 * hard, "{softer} and {hard}");
     assert!(same(hard, hard_too, 1e-3) && same(softer, softer_too, 1e-3));
     // A body that does not dent leaves all to the other.
-    let rigid = after(
-        &set,
-        ContactOptions::default(),
-        &[&|body: &Instance| {
-            let mut p = point(body, [0.0; 2], 10.0, None);
-            p.masses = [Some(MASS), Some(MASS)];
-            vec![p]
-        }],
-    );
+    let rigid = left_by(&set, 1.0, 10.0, 0.0, |p| (p.impulse, p.masses) = (None, [Some(MASS), Some(MASS)]));
     assert!(same(rigid, told(&set, 10.0, MASS / 2.0), 1e-3));
 }
 
