@@ -4,7 +4,7 @@ mod scenes;
 
 use crumple::{Blow, Cause, Error, Hit, HitStatus, Instance, InstanceOptions, Mark};
 use proptest::prelude::*;
-use scenes::{Dice, Output, push, random_hit, with};
+use scenes::{Dice, Output, dented, push, random_hit, with};
 use std::num::NonZeroU64;
 
 fn id(n: u64) -> NonZeroU64 {
@@ -44,13 +44,22 @@ fn quick_the_point_is_the_mean_weighted_by_depth() {
 }
 
 #[test]
-fn quick_yield_thresholds_hold_for_the_sum() {
+fn quick_yield_thresholds_hold_for_a_hit_and_for_the_sum_of_a_contact() {
     let set = scenes::sheet_set();
     let options = InstanceOptions { yield_impulse: 5.0, yield_displacement: 0.01, ..InstanceOptions::default() };
     let mut instance = with(&set, options);
-    let small = Hit::impulse([0.0; 3], [0.0, 0.0, -1.0], 0.1, Some(10.0)).of_contact(id(1));
+    let impulse = |j: f32| Hit::impulse([0.0; 3], [0.0, 0.0, -j], 0.1, Some(10.0));
+    let pushed = |depth: f32| push([0.0; 3], [0.0, 0.0, -depth]);
+    for (weak, strong) in [(impulse(4.9), impulse(5.1)), (pushed(0.0099), pushed(0.0101))] {
+        let outcome = instance.submit(&weak).unwrap();
+        assert_eq!((outcome.status, outcome.achieved, outcome.mark), (HitStatus::BelowYield, [0.0; 3], None));
+        assert_eq!(outcome.shortfall(), outcome.target);
+        assert_eq!(instance.submit(&strong).unwrap().status, HitStatus::Marked);
+    }
+    assert_eq!(instance.marks().unwrap().len(), 2);
+    instance.reset();
     for n in 1..=10 {
-        let alone = instance.submit(&small).unwrap();
+        let alone = instance.submit(&impulse(1.0).of_contact(id(1))).unwrap();
         assert_eq!((alone.status, alone.mark), (HitStatus::Accumulated, None));
         let whole = instance.contact(id(1)).unwrap();
         assert_eq!(whole.is_some_and(|w| w.status == HitStatus::Marked), n >= 5, "after {n} N s");
@@ -59,8 +68,9 @@ fn quick_yield_thresholds_hold_for_the_sum() {
     }
     // Pushes that cancel leave nothing, though each alone would leave a dent.
     instance.reset();
-    instance.submit(&push([0.0; 3], [0.0, 0.0, -0.03]).of_contact(id(2))).unwrap();
-    instance.submit(&push([0.0; 3], [0.0, 0.0, 0.03]).of_contact(id(2))).unwrap();
+    for depth in [0.03, -0.03] {
+        instance.submit(&pushed(depth).of_contact(id(2))).unwrap();
+    }
     assert!(instance.marks().unwrap().is_empty());
 }
 
@@ -127,42 +137,35 @@ fn quick_compliance_replaces_mass_and_duration() {
 }
 
 #[test]
-fn quick_contacts_end_when_damage_is_replaced_repaired_or_reset() {
+fn quick_replacing_or_repairing_damage_ends_contacts_and_forgets_hits_that_wait() {
     let set = scenes::sheet_set();
     let part = push([0.1, 0.1, 0.0], [0.0, 0.0, -0.01]).of_contact(id(3));
-    type End = fn(&mut Instance);
-    let ends: [(&str, End, usize); 6] = [
-        ("reset", |i| i.reset(), 0),
-        ("repair", |i| i.repair(0.5).unwrap(), 1),
-        ("set_marks", |i| i.set_marks(&[]).unwrap(), 0),
-        (
-            "load",
-            |i| {
-                let bytes = i.save();
-                i.load(&bytes).unwrap()
-            },
-            1,
-        ),
-        (
-            "copy",
-            |i| {
-                let mut other = Instance::new(i.example_set().clone(), *i.options()).unwrap();
-                i.copy_damage_from(&mut other).unwrap();
-            },
-            0,
-        ),
-        ("end_contact", |i| i.end_contact(id(3)).unwrap(), 1),
+    let waits = push([-0.3, 0.2, 0.0], [0.0, 0.0, -0.02]);
+    let mut other = dented(&set, InstanceOptions::default(), &[push([0.3, 0.3, 0.0], [0.0, 0.0, -0.02]); 2]);
+    let (saved, marks) = (other.save(), other.marks().unwrap().to_vec());
+    // Each with the marks that it leaves: those of the other body, or how many of its own, of which the first is the contact's.
+    type End<'a> = (&'a str, &'a dyn Fn(&mut Instance, &mut Instance), Option<usize>);
+    let ends: [End<'_>; 6] = [
+        ("load", &|i, _| i.load(&saved).unwrap(), None),
+        ("set_marks", &|i, _| i.set_marks(&marks).unwrap(), None),
+        ("copy", &|i, other| i.copy_damage_from(other).unwrap(), None),
+        ("reset", &|i, _| i.reset(), Some(0)),
+        ("repair", &|i, _| i.repair(0.5).unwrap(), Some(2)),
+        ("end_contact", &|i, _| i.end_contact(id(3)).unwrap(), Some(2)),
     ];
-    for (name, end, left) in ends {
+    for (name, end, own) in ends {
         let mut instance = with(&set, InstanceOptions::default());
         instance.submit(&part).unwrap();
         assert_eq!((instance.contact_count(), instance.marks().unwrap().len()), (1, 1));
-        end(&mut instance);
-        assert_eq!((instance.contact_count(), instance.marks().unwrap().len()), (0, left), "{name}");
-        // The same id begins another dent, so energies add.
+        instance.submit(&waits).unwrap();
+        end(&mut instance, &mut other);
+        assert_eq!(instance.contact_count(), 0, "{name}");
+        let left = instance.marks().unwrap().to_vec();
+        assert!(own.map_or(left == marks, |own| left.len() == own), "{name}: {left:?}");
+        // The same id begins another dent, so energies add; later hits are not lost.
         instance.submit(&part).unwrap();
-        let marks = instance.marks().unwrap().to_vec();
-        assert_eq!(marks.iter().map(|m| m.energy).sum::<u64>() > Mark::ONE, left > 0, "{name}: {marks:?}");
+        let energy = |marks: &[Mark]| marks.iter().map(|m| m.energy).sum::<u64>();
+        assert_eq!(energy(instance.marks().unwrap()), energy(&left) + Mark::ONE, "{name}");
         assert_eq!(instance.contact_count(), 1);
     }
 }

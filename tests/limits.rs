@@ -62,11 +62,9 @@ fn no_vertex_enters_a_solid() {
     let mesh = kept_out();
     let mut dice = Dice::new(1);
     let mut entered_without = false;
-    for rule in [Rule::Marks, Rule::MostDisplaced, Rule::Blend(0.3)] {
-        let options = match rule {
-            Rule::Marks => InstanceOptions { depth_limit: Some(1.0), ..InstanceOptions::default() },
-            rule => InstanceOptions { depth_limit: Some(1.0), ..InstanceOptions::classic(rule) },
-        };
+    let classic = [Rule::MostDisplaced, Rule::Blend(0.3)].map(InstanceOptions::classic);
+    for options in [InstanceOptions::default()].into_iter().chain(classic) {
+        let (rule, options) = (options.rule, InstanceOptions { depth_limit: Some(1.0), ..options });
         let (mut free, mut held) = (with(&body(sheet(33)), options), with(&body(mesh.clone()), options));
         for _ in 0..100 {
             for _ in 0..200 {
@@ -112,11 +110,8 @@ fn a_closed_mesh_keeps_out_as_its_solid() {
 #[test]
 fn normals_of_vertices_that_cannot_move_stay() {
     // Around each dent lie vertices whose displacement is 0 and whose normal turns, since their triangles tilt.
-    for rule in [Rule::Marks, Rule::MostDisplaced] {
-        let options = match rule {
-            Rule::Marks => InstanceOptions::default(),
-            rule => InstanceOptions::classic(rule),
-        };
+    for options in [InstanceOptions::default(), InstanceOptions::classic(Rule::MostDisplaced)] {
+        let rule = options.rule;
         let mut turned_at_rest = 0;
         for held in [None, Some(true), Some(false)] {
             let mut mesh = sheet(33);

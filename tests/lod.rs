@@ -1,5 +1,6 @@
 //! Levels of detail: several meshes show the same damage. A level that is the base mesh is compared bit for bit (`parts.rs` does that
-//! with pieces of it), others with an interpolation in f64. `promises.rs` has what is written of a level, and when.
+//! with pieces of it), others with an interpolation in f64. `promises.rs` has what is written of a level, and when; and which triangles a deform
+//! changed, with the box around them.
 
 mod scenes;
 
@@ -10,7 +11,7 @@ use crumple::{
     DeformJob, Error, ErrorKind, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData, Rule, Serial,
     SetOptions, Tracker, VertexMemory, deform,
 };
-use scenes::{Dice, Output, ball, bowls, coincident, cube, dented, length, new, push, random_hits, sheet};
+use scenes::{Dice, Output, ball, bowls, coincident, cube, dented, new, own_hit, push, random_hits, sheet};
 
 fn options(tolerance: Option<f32>) -> SetOptions {
     SetOptions { tolerance, ..SetOptions::default() }
@@ -27,25 +28,31 @@ fn with_lods(mesh: MeshData, examples: Vec<ExampleData>, options: SetOptions, lo
 
 /// Hits at the examples' own contacts, and hits anywhere else.
 fn hits(set: &ExampleSet, seed: u64) -> Vec<Hit> {
-    let own = set.examples().iter().map(|e| push(e.contact_point().into(), e.contact_displacement().into()));
-    own.take(3).chain(random_hits(set, 5, seed)).collect()
+    set.examples().iter().map(own_hit).take(3).chain(random_hits(set, 5, seed)).collect()
 }
 
 #[test]
-fn a_level_that_is_the_base_mesh_moves_as_the_base_does() {
-    for (mesh, radius) in [(sheet(12), 0.4), (ball(2), 0.45), (cube(4), 0.6)] {
+fn a_level_that_is_the_base_mesh_moves_as_the_base_does_and_seams_stay_closed() {
+    for (mesh, radius, others) in
+        [(sheet(12), 0.4, vec![]), (ball(2), 0.45, vec![]), (cube(10), 0.6, vec![cube(6), cube(14)])]
+    {
         for tolerance in [None, Some(1e-4)] {
-            let examples = bowls(&mesh, 4, radius, 3);
-            let set = with_lods(mesh.clone(), examples, options(tolerance), std::slice::from_ref(&mesh));
+            let lods = [&[mesh.clone()], &others[..]].concat();
+            let set = with_lods(mesh.clone(), bowls(&mesh, 5, radius, 3), options(tolerance), &lods);
             assert_eq!(set.report().lods[0].farthest, 0.0);
             let mut body = dented(&set, InstanceOptions::default(), &hits(&set, 9));
-            let (base, lod) = (Output::fresh_level(&mut body, 0), Output::fresh_level(&mut body, 1));
-            assert_eq!(base.position_bits(), lod.position_bits(), "{tolerance:?}");
-            for (a, b) in base.normals.iter().zip(&lod.normals) {
-                // Slopes of the base mesh were fitted, those of the level follow from its rows.
-                assert!(length([a[0] - b[0], a[1] - b[1], a[2] - b[2]]) < 0.1, "{a:?} {b:?}");
+            let levels: Vec<Output> = (0..=lods.len()).map(|lod| Output::fresh_level(&mut body, lod)).collect();
+            for (lod, level) in lods.iter().zip(&levels[1..]) {
+                let bits = level.position_bits();
+                assert!(coincident(&lod.positions).iter().all(|g| g.iter().all(|v| bits[*v] == bits[g[0]])));
             }
-            assert_eq!(base.tracker.bounds(), lod.tracker.bounds());
+            let [base, same] = [&levels[0], &levels[1]];
+            assert_eq!(base.position_bits(), same.position_bits(), "{tolerance:?}");
+            for (a, b) in base.normals.iter().zip(&same.normals) {
+                // Slopes of the base mesh were fitted, those of the level follow from its rows.
+                assert!(scenes::distance(*a, *b) < 0.1, "{a:?} {b:?}");
+            }
+            assert_eq!(base.tracker.bounds(), same.tracker.bounds());
         }
     }
 }
@@ -80,8 +87,7 @@ fn vertices_between_follow_the_interpolated_displacement() {
         assert!((set.report().lods[0].farthest - 0.02).abs() < 1e-3);
         let mut still = 0;
         for e in set.examples() {
-            let own = push(e.contact_point().into(), e.contact_displacement().into());
-            let mut body = dented(&set, InstanceOptions::default(), &[own]);
+            let mut body = dented(&set, InstanceOptions::default(), &[own_hit(e)]);
             let level = Output::fresh_level(&mut body, 1);
             let delta = |v: usize| e.delta(v as u32).as_dvec3();
             for (p, q) in points.iter().zip(&level.positions) {
@@ -94,24 +100,6 @@ fn vertices_between_follow_the_interpolated_displacement() {
             }
         }
         assert!(still > 100, "{still}");
-    }
-}
-
-#[test]
-fn seams_of_a_level_stay_closed() {
-    let mesh = cube(10);
-    for tolerance in [None, Some(1e-4)] {
-        for lod in [cube(6), cube(14)] {
-            let groups = coincident(&lod.positions);
-            assert!(groups.len() > 50);
-            let set = with_lods(mesh.clone(), bowls(&mesh, 6, 0.6, 2), options(tolerance), &[lod]);
-            let mut body = dented(&set, InstanceOptions::default(), &hits(&set, 6));
-            let level = Output::fresh_level(&mut body, 1);
-            let bits = level.position_bits();
-            for g in &groups {
-                assert!(g.iter().all(|v| bits[*v] == bits[g[0]]), "{g:?}");
-            }
-        }
     }
 }
 
@@ -194,4 +182,38 @@ fn thousands_of_vertices_at_one_place_bind_in_linear_time() {
     assert!(levels[0].positions[0][2] < -0.05);
     assert_eq!(levels[0].position_bits(), levels[1].position_bits());
     assert!(levels[2].positions.iter().all(|p| *p == levels[2].positions[0]));
+}
+
+/// Convex pieces, of which a collider is made.
+#[test]
+fn only_convex_pieces_that_a_dent_reaches_are_made_again() {
+    const PIECES: usize = 4;
+    let mesh = sheet(48);
+    let dent = scenes::bowl(&mesh, scenes::nearest(&mesh, [0.0; 3]), 0.06, 0.2);
+    let mut set = ExampleSet::build(mesh, vec![dent], SetOptions::default(), &Serial).unwrap();
+    // Plates of 0.25 m by 0.25 m by 1 cm.
+    let piece = |n: usize| {
+        let corner = |k: usize| {
+            let at = |piece: usize, end: usize| 0.25 * (piece + end) as f32 - 0.5;
+            [at(n % PIECES, k & 1), at(n / PIECES, k >> 1 & 1), -0.01 * (k >> 2) as f32]
+        };
+        MeshData { positions: (0..8).map(corner).collect(), ..MeshData::default() }
+    };
+    for n in 0..PIECES * PIECES {
+        assert_eq!(set.add_lod(piece(n), &Serial).unwrap(), n + 1);
+    }
+    let mut body = new(&Arc::new(set));
+    let mut pieces: Vec<Output> = (1..=PIECES * PIECES).map(|lod| Output::fresh_level(&mut body, lod)).collect();
+    let rest: Vec<_> = pieces.iter().map(|p| p.positions.clone()).collect();
+
+    // A dent on the corner at which four pieces meet reaches these four alone.
+    body.submit(&push([0.25, 0.25, 0.0], [0.0, 0.0, -0.05])).unwrap();
+    pieces.iter_mut().for_each(|p| _ = p.update(&mut body));
+    let changed: Vec<usize> = (0..pieces.len()).filter(|&n| !pieces[n].tracker.changed().is_empty()).collect();
+    assert_eq!(changed, [10, 11, 14, 15]);
+    for (n, piece) in pieces.iter().enumerate() {
+        assert_eq!(piece.positions != rest[n], changed.contains(&n), "piece {n}");
+        let lowest = piece.positions.iter().map(|p| p[2]).fold(0.0, f32::min);
+        assert_eq!(lowest < -0.05, changed.contains(&n), "piece {n} reaches down to {lowest} m");
+    }
 }

@@ -1,7 +1,7 @@
 //! Octahedral normals and tangents: the bits that Godot writes, and the vectors that they stand for.
 
 use crumple::glam::{DVec3, Vec3};
-use crumple::{Deltas, ExampleData, MeshData, Serial, SetOptions, SimdLevel, Tracker, VertexMemory};
+use crumple::{MeshData, Serial, SetOptions, SimdLevel, Tracker, VertexMemory};
 use scenes::{Dice, octahedral_normal, octahedral_tangent};
 
 mod scenes;
@@ -59,8 +59,7 @@ fn an_undamaged_mesh_gets_the_bits_that_godot_gives_it() {
         tangents: Some(tangents),
         ..MeshData::default()
     };
-    let poke = Deltas::Sparse { indices: vec![0], values: vec![[0.0, 0.0, -0.1]] };
-    let set = scenes::build(mesh, vec![ExampleData::new("poke", poke)], SetOptions::default());
+    let set = scenes::build(mesh, vec![scenes::poke(0, 0.1)], SetOptions::default());
     let instance = &mut scenes::new(&set);
     let base: Vec<[f32; 3]> = set.mesh().normals().unwrap().iter().map(|n| n.to_array()).collect();
     let base_tangents: Vec<[f32; 4]> = set.mesh().tangents().unwrap().iter().map(|t| t.to_array()).collect();

@@ -4,12 +4,13 @@
 
 mod scenes;
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use crumple::glam::{Mat4, Quat, Vec3};
 use crumple::{
-    Attribute, Blow, Cause, DeformJob, Deltas, Encoding, ExampleSet, Hit, HitStatus, Instance, InstanceOptions, Mark,
-    Rule, Serial, SetOptions, SimdLevel, Space, TaskSystem, ThreadPool, Tracker, VertexMemory,
+    Attribute, BasisOptions, Blow, Cause, Deltas, Encoding, ExampleSet, Hit, HitStatus, Instance, InstanceOptions,
+    Mark, Rule, Serial, SetOptions, SimdLevel, Space, TaskSystem, ThreadPool, Tracker, VertexMemory,
 };
 use proptest::prelude::*;
 use scenes::{
@@ -109,16 +110,6 @@ proptest! {
     }
 
     #[test]
-    fn bounded_for_any_marks_that_are_accepted(body in any_body(), seed in any::<u64>()) {
-        let (_, set) = body;
-        let mut dice = Dice::new(seed);
-        let list: Vec<Mark> = (0..1 + dice.index(20)).map(|_| any_mark(set, &mut dice)).collect();
-        let mut instance = new(set);
-        instance.set_marks(&list).unwrap();
-        check_sound(&mut instance)?;
-    }
-
-    #[test]
     fn the_clamped_classic_rules_never_pass_the_deepest_example(body in any_body(), count in 1usize..600, seed in any::<u64>(), k in 0.0f32..=1.0) {
         let (_, set) = body;
         let mut instance = with(set, InstanceOptions::classic(Rule::Blend(k)));
@@ -203,25 +194,6 @@ proptest! {
     }
 }
 
-#[test]
-fn quick_an_example_that_moves_one_vertex_can_be_carried() {
-    let mesh = scenes::sheet(8);
-    let poke = Deltas::Sparse { indices: vec![30], values: vec![[0.0, 0.0, -0.1]] };
-    let example = crumple::ExampleData::new("poke", poke);
-    let set = scenes::build(mesh, vec![example], SetOptions::default());
-    for vertex in [30usize, 33] {
-        let mut instance = new(&set);
-        let outcome = instance.submit(&push(base(&set, vertex), [0.0, 0.0, -0.05])).unwrap();
-        assert_eq!(outcome.status, HitStatus::Marked);
-        let out = Output::fresh(&mut instance);
-        let moved = |v: usize| distance(out.positions[v], base(&set, v));
-        assert!((moved(vertex) - 0.05).abs() < 1e-5, "{}", moved(vertex));
-        for v in (0..set.vertex_count()).filter(|v| *v != vertex) {
-            assert!(moved(v) < 0.025, "vertex {v} moved {}", moved(v));
-        }
-    }
-}
-
 // -------------------------------------------------------------------------------------------- free of order, deterministic
 
 fn save_after(set: &Arc<ExampleSet>, options: InstanceOptions, frames: &[Vec<Hit>]) -> Vec<u8> {
@@ -248,32 +220,23 @@ fn cut(mut hits: Vec<Hit>, dice: &mut Dice) -> Vec<Vec<Hit>> {
 proptest! {
     #![proptest_config(scenes::cases(16))]
 
+    /// The classic rules depend on the cut into frames, and so do marks that merge.
     #[test]
-    fn the_order_within_a_frame_does_not_matter(body in any_body(), count in sequence_length(), seed in any::<u64>(), capacity in 1u32..100, classic in any_rule()) {
+    fn the_order_does_not_matter_nor_does_the_cut_into_frames_until_the_capacity(
+        body in any_body(), count in sequence_length(), seed in any::<u64>(), capacity in prop_oneof![1u32..100, Just(12_000)], classic in any_rule(),
+    ) {
         let (_, set) = body;
-        // Across frames the classic rules depend on the order, which is why they are not the default.
         let options = InstanceOptions { capacity, ..either_rule(classic) };
         let mut dice = Dice::new(seed);
         let mut hits = random_hits(set, count.min(if classic.is_some() { 60 } else { count }), seed);
         let once = save_after(set, options, std::slice::from_ref(&hits));
         dice.shuffle(&mut hits);
-        prop_assert!(once == save_after(set, options, &[hits]));
-    }
-
-    #[test]
-    fn nor_does_the_cut_into_frames_until_the_capacity(body in any_body(), count in 1usize..2000, seed in any::<u64>()) {
-        let (_, set) = body;
-        let options = InstanceOptions { capacity: 4000, ..InstanceOptions::default() };
-        let mut dice = Dice::new(seed);
-        let mut hits = random_hits(set, count, seed);
-        let once = save_after(set, options, std::slice::from_ref(&hits));
-        dice.shuffle(&mut hits);
-        let frames = cut(hits, &mut dice);
+        let frames = if classic.is_none() && count <= capacity as usize { cut(hits, &mut dice) } else { vec![hits] };
         prop_assert!(once == save_after(set, options, &frames));
     }
 
     #[test]
-    fn nor_does_the_order_of_given_marks(body in any_body(), count in 1usize..20, seed in any::<u64>(), capacity in 1u32..20) {
+    fn the_order_of_given_marks_does_not_matter(body in any_body(), count in 1usize..20, seed in any::<u64>(), capacity in 1u32..20) {
         let (_, set) = body;
         let mut dice = Dice::new(seed);
         let mut marks: Vec<Mark> = (0..count).map(|_| any_mark(set, &mut dice)).collect();
@@ -290,23 +253,6 @@ proptest! {
         all.set_marks(&marks).unwrap();
         loaded.load(&all.save()).unwrap();
         prop_assert!(loaded.marks().unwrap().len() <= capacity as usize && once.0 == loaded.save());
-    }
-
-    #[test]
-    fn a_replay_gives_the_same_bytes_past_the_capacity(body in any_body(), count in sequence_length(), seed in any::<u64>()) {
-        let (_, set) = body;
-        let frames = cut(random_hits(set, count, seed), &mut Dice::new(seed));
-        let options = InstanceOptions { capacity: 16, ..InstanceOptions::default() };
-        let mut instance = with(set, options);
-        let mut out = Output::new(set);
-        for frame in &frames {
-            frame.iter().for_each(|h| { instance.submit(h).unwrap(); });
-            // deforming, previewing and reading in between change nothing
-            out.update(&mut instance);
-            instance.preview(&frame[0]).unwrap();
-            prop_assert!(instance.marks().unwrap().len() <= 16);
-        }
-        prop_assert!(instance.save() == save_after(set, options, &frames));
     }
 
     #[test]
@@ -446,30 +392,43 @@ fn poisoned(out: &Output, v: usize) -> bool {
 }
 
 /// Deforms into poisoned memory. It must write what `changed` lists, and that must include all that differs from
-/// `before`.
+/// `before`. The triangles and the box that the tracker tells hold what was written, and a second call writes nothing.
 fn check_changes(instance: &mut Instance, out: &mut Output) -> Result<(), TestCaseError> {
-    let before = out.all_bits();
+    let before = out.clone();
     out.poison();
     let report = out.update(instance);
     let ranges = out.tracker.changed().to_vec();
+    let is_in = |ranges: &[Range<u32>], i: usize| ranges.iter().any(|r| r.contains(&(i as u32)));
     prop_assert!(ranges.windows(2).all(|w| w[0].end < w[1].start), "{ranges:?}");
     prop_assert!(ranges.iter().all(|r| r.start < r.end));
     let told: u64 = ranges.iter().map(|r| u64::from(r.end - r.start)).sum();
     prop_assert_eq!(told, report.vertices_written);
-    for v in 0..before.len() {
-        let listed = ranges.iter().any(|r| r.contains(&(v as u32)));
-        prop_assert_eq!(listed, !poisoned(out, v), "vertex {}", v);
-    }
+    prop_assert_eq!(out.tracker.changed_bounds().is_some(), told > 0);
     let fresh = Output::fresh_level(instance, out.lod);
-    for (v, before) in before.iter().enumerate() {
+    for v in 0..out.positions.len() {
+        prop_assert_eq!(is_in(&ranges, v), !poisoned(out, v), "vertex {}", v);
         if poisoned(out, v) {
-            prop_assert_eq!(*before, fresh.bits(v), "vertex {} changed and was not written", v);
+            prop_assert_eq!(before.bits(v), fresh.bits(v), "vertex {} changed and was not written", v);
             (out.positions[v], out.normals[v], out.tangents[v]) =
                 (fresh.positions[v], fresh.normals[v], fresh.tangents[v]);
-        } else {
-            prop_assert_eq!(out.bits(v), fresh.bits(v), "vertex {}", v);
+            continue;
+        }
+        prop_assert_eq!(out.bits(v), fresh.bits(v), "vertex {}", v);
+        let bounds = out.tracker.changed_bounds().unwrap();
+        for p in [before.positions[v], out.positions[v]].map(Vec3::from).into_iter().filter(|p| p.x != POISON) {
+            prop_assert!(p.cmpge(bounds.min).all() && p.cmple(bounds.max).all(), "vertex {} at {}, {:?}", v, p, bounds);
         }
     }
+    let triangles = instance.example_set().lod_mesh(out.lod).unwrap().triangles();
+    let changed = out.tracker.changed_triangles(triangles);
+    prop_assert!(changed.windows(2).all(|w| w[0].end < w[1].start) && changed.iter().all(|r| r.start < r.end));
+    for (t, corners) in triangles.iter().enumerate() {
+        let written = corners.iter().any(|v| is_in(&ranges, *v as usize));
+        prop_assert_eq!(is_in(&changed, t), written, "triangle {}", t);
+    }
+    let again = out.update(instance);
+    prop_assert_eq!((again.vertices_written, again.blocks_written), (0, 0));
+    prop_assert!(out.tracker.changed().is_empty() && out.tracker.changed_bounds().is_none());
     Ok(())
 }
 
@@ -522,6 +481,7 @@ proptest! {
         check_guards(&body.1, seed)?;
     }
 
+    /// Dents that grow leave the marks of those that do not. Once the time has passed, all is as in `plain`, whose dents never grew.
     #[test]
     fn any_sequence_leaves_what_a_fresh_evaluation_gives(
         body in any_body(), seed in any::<u64>(), steps in 1usize..30, capacity in prop_oneof![1u32..9, Just(40)], classic in any_rule(),
@@ -529,56 +489,67 @@ proptest! {
         let (_, set) = body;
         let mut dice = Dice::new(seed);
         let options = InstanceOptions { capacity, ..either_rule(classic) };
-        let mut instance = with(set, options);
+        let grow_time = if classic.is_none() { 0.05 * dice.index(2) as f32 } else { 0.0 };
+        let (mut instance, mut plain) = (with(set, InstanceOptions { grow_time, ..options }), with(set, options));
         // Levels of detail take no classic rules.
         let lod = if classic.is_none() { dice.index(set.lod_count()) } else { 0 };
-        let (mut often, mut seldom, mut saves) = (Output::level(set, lod), Output::level(set, lod), Vec::new());
+        let (mut often, mut seldom, mut saves) = (Output::level(set, lod), Output::level(set, lod), [Vec::new(), Vec::new()]);
+        let mut time = f64::from(dice.between(-1e3, 1e3));
         for step in 0..steps {
-            act(&mut instance, &mut saves, &mut dice);
+            instance.set_time(time).unwrap();
+            let mut same_dice = dice.clone();
+            act(&mut instance, &mut saves[0], &mut dice);
+            act(&mut plain, &mut saves[1], &mut same_dice);
+            // It is neither read nor shown in between.
+            plain.fold();
+            instance.preview(&random_hit(set, &mut same_dice)).unwrap();
+            prop_assert!(classic.is_some() || instance.marks().unwrap().len() <= capacity as usize);
             check_changes(&mut instance, &mut often)?;
             check_bounds(&often)?;
             if step % 5 == 4 {
                 seldom.update(&mut instance);
                 prop_assert!(seldom.all_bits() == often.all_bits());
                 check_bounds(&seldom)?;
-                // Nodes keep sums from hit to hit. They must not show.
-                let mut anew = with(set, InstanceOptions { depth_limit: Some(instance.depth_limit()), ..options });
-                anew.load(&instance.save()).unwrap();
-                prop_assert!(often.all_bits() == Output::fresh_level(&mut anew, lod).all_bits());
                 let alone = scenes::positions(&mut instance).0;
                 prop_assert!(lod > 0 || alone == often.positions, "positions without normals");
             }
+            time += f64::from(dice.between(0.0, 0.06));
         }
         for _ in (0..20).filter(|_| lod == 0) {
             let v = dice.index(set.vertex_count());
             prop_assert_eq!(bits(instance.displaced(v as u32).unwrap().to_array()), bits(often.positions[v]));
         }
-    }
-
-    #[test]
-    fn many_outputs_at_once_are_as_each_alone(seed in any::<u64>(), threads in 0usize..4) {
-        let mut dice = Dice::new(seed);
-        let mut instances: Vec<Instance> = (0..6).map(|_| new(&bodies()[dice.index(4)].1)).collect();
-        let mut outputs: Vec<Output> = instances.iter().map(|i| Output::new(i.example_set())).collect();
-        for _ in 0..4 {
-            for instance in &mut instances {
-                let set = instance.example_set().clone();
-                for _ in 0..dice.index(3) {
-                    instance.submit(&random_hit(&set, &mut dice)).unwrap();
-                }
-                instance.fold();
-            }
-            let mut jobs: Vec<DeformJob<'_, '_>> = instances.iter().zip(&mut outputs).map(|(instance, out)| {
-                let (tracker, memory) = out.memory();
-                DeformJob { lod: 0, instance, tracker, memory }
-            }).collect();
-            crumple::deform(&mut jobs, task_systems()[threads].as_ref()).unwrap();
-            drop(jobs);
-            for (instance, out) in instances.iter_mut().zip(&outputs) {
-                prop_assert!(Output::fresh(instance).all_bits() == out.all_bits());
-                check_bounds(out)?;
-            }
+        instance.set_time(time + 0.1).unwrap();
+        check_changes(&mut instance, &mut often)?;
+        prop_assert!(instance.save() == plain.save(), "a replay gives the same bytes");
+        prop_assert!(instance.memory_bytes() == plain.memory_bytes(), "nothing is kept of what grew");
+        // Damage survives saving, giving and copying. Nodes keep sums from hit to hit, which must not show.
+        let alike = InstanceOptions { depth_limit: Some(plain.depth_limit()), ..options };
+        let [mut loaded, mut copy, mut given] = [(); 3].map(|()| with(set, alike));
+        let bytes = plain.save();
+        loaded.load(&bytes).unwrap();
+        copy.copy_damage_from(&mut plain).unwrap();
+        let mut others = vec![loaded, copy];
+        if classic.is_none() {
+            let marks = plain.marks().unwrap();
+            given.set_marks(marks).unwrap();
+            others.push(given);
+            // a mark has 32 bytes
+            prop_assert!(bytes.len() <= 64 + 32 * marks.len());
         }
+        check_sound(&mut others[0])?;
+        for other in others.iter_mut().chain([&mut plain]) {
+            prop_assert!(other.save() == bytes && other.revision() == instance.revision());
+            prop_assert!(often.all_bits() == Output::fresh_level(other, lod).all_bits());
+        }
+        // A reset forgets all, hits that wait too.
+        plain.submit(&random_hit(set, &mut dice)).unwrap();
+        plain.reset();
+        let (mut untouched, out) = (with(set, alike), Output::fresh(&mut plain));
+        prop_assert!(plain.save() == untouched.save() && out.all_bits() == Output::fresh(&mut untouched).all_bits());
+        prop_assert!((0..set.vertex_count()).all(|v| bits(out.positions[v]) == bits(base(set, v))));
+        instance.set_time(time + 0.2).unwrap();
+        prop_assert_eq!(often.update(&mut instance).blocks_written, 0);
     }
 }
 
@@ -598,29 +569,6 @@ fn quick_guards_and_changes() {
 }
 
 #[test]
-fn quick_an_output_that_is_up_to_date_is_not_touched() {
-    for (_, set) in scenes::small_bodies() {
-        let mut instance = new(&set);
-        instance.submit(&random_hit(&set, &mut Dice::new(1))).unwrap();
-        let mut out = Output::new(&set);
-        let first = out.update(&mut instance);
-        assert_eq!(first.vertices_written, set.vertex_count() as u64);
-        let everything = 0..set.vertex_count() as u32;
-        assert_eq!(out.tracker.changed(), std::slice::from_ref(&everything));
-        out.poison();
-        let again = out.update(&mut instance);
-        assert_eq!((again.vertices_written, again.blocks_written), (0, 0));
-        assert_eq!(again.blocks_skipped, first.blocks_written);
-        assert!(out.tracker.changed().is_empty());
-        assert!((0..set.vertex_count()).all(|v| poisoned(&out, v)));
-        // after other code overwrites the memory and invalidates the tracker, everything is written again
-        out.tracker.invalidate();
-        assert_eq!(out.update(&mut instance).vertices_written, set.vertex_count() as u64);
-        assert!(out.all_bits() == Output::fresh(&mut instance).all_bits());
-    }
-}
-
-#[test]
 fn quick_an_output_may_change_hands() {
     let set = scenes::cube_set();
     let (mut a, mut b) = (new(&set), new(&set));
@@ -633,6 +581,11 @@ fn quick_an_output_may_change_hands() {
         assert!(out.all_bits() == Output::fresh(instance).all_bits());
         check_bounds(&out).unwrap();
     }
+    // Other code has overwritten the memory.
+    out.poison();
+    out.tracker.invalidate();
+    assert_eq!(out.update(&mut a).vertices_written, set.vertex_count() as u64);
+    assert!(out.all_bits() == Output::fresh(&mut a).all_bits());
     // Between levels of detail too.
     let mut body = new(&bodies()[4].1);
     for lod in [2, 0, 3] {
@@ -650,50 +603,18 @@ proptest! {
     #![proptest_config(scenes::cases(24))]
 
     #[test]
-    fn damage_survives_save_set_and_copy_but_no_reset(body in any_body(), count in 0usize..200, seed in any::<u64>(), classic in any_rule()) {
-        let (_, set) = body;
-        let options = either_rule(classic);
-        let mut instance = dented(set, options, &random_hits(set, count.min(if classic.is_some() { 20 } else { count }), seed));
-        let bytes = instance.save();
-        let reference = Output::fresh(&mut instance).all_bits();
-        let (mut loaded, mut copy) = (with(set, options), with(set, options));
-        loaded.load(&bytes).unwrap();
-        copy.copy_damage_from(&mut instance).unwrap();
-        let mut others = vec![loaded, copy];
-        if classic.is_none() {
-            let marks = instance.marks().unwrap().to_vec();
-            let mut given = new(set);
-            given.set_marks(&marks).unwrap();
-            others.push(given);
-            // a mark has 32 bytes
-            prop_assert!(bytes.len() <= 64 + 32 * marks.len());
-        }
-        for mut other in others {
-            prop_assert!(other.save() == bytes);
-            prop_assert_eq!(other.revision(), instance.revision());
-            prop_assert!(Output::fresh(&mut other).all_bits() == reference);
-        }
-        prop_assert!(instance.save() == bytes, "reading changes nothing");
-        // A reset forgets all, hits that wait too.
-        instance.submit(&random_hits(set, 1, seed)[0]).unwrap();
-        instance.reset();
-        let (mut untouched, out) = (with(set, options), Output::fresh(&mut instance));
-        prop_assert!(instance.save() == untouched.save());
-        prop_assert!(out.all_bits() == Output::fresh(&mut untouched).all_bits());
-        prop_assert!((0..set.vertex_count()).all(|v| bits(out.positions[v]) == bits(base(set, v))));
-    }
-
-    #[test]
     fn repairs_scale_depth(body in (0..4usize).prop_map(|i| &bodies()[i]), seed in any::<u64>(), keep in 0.05f32..1.0) {
         let (_, set) = body;
         let mut instance = with(set, InstanceOptions { depth_limit: Some(1e3), ..InstanceOptions::default() });
         // Several hits upon each other also get narrower.
         instance.submit(&random_hits(set, 1, seed)[0]).unwrap();
-        let before = Output::fresh(&mut instance);
+        let (before, mark) = (Output::fresh(&mut instance), instance.marks().unwrap()[0]);
         instance.repair(1.0).unwrap();
-        prop_assert!(Output::fresh(&mut instance).all_bits() == before.all_bits(), "repair(1) changes nothing");
+        prop_assert!(instance.marks().unwrap() == [mark] && Output::fresh(&mut instance).all_bits() == before.all_bits());
         instance.repair(keep).unwrap();
         let after = Output::fresh(&mut instance);
+        let ought = mark.energy as f64 * f64::from(keep).powf(2.4);
+        prop_assert!((instance.marks().unwrap()[0].energy as f64 - ought).abs() <= 1.0 + 1e-9 * ought);
         let limit = f64::from(set.depth_limit());
         for v in 0..set.vertex_count() {
             let b = base(set, v);
@@ -706,49 +627,6 @@ proptest! {
         instance.repair(0.0).unwrap();
         prop_assert!(instance.marks().unwrap().is_empty());
         prop_assert!(Output::fresh(&mut instance).all_bits() == Output::fresh(&mut new(set)).all_bits());
-    }
-
-    #[test]
-    fn repairs_scale_energies_by_the_power(seed in any::<u64>(), keep in 0.05f32..1.0) {
-        let set = scenes::ball_set();
-        let mut instance = dented(&set, InstanceOptions::default(), &random_hits(&set, 6, seed));
-        let before = instance.marks().unwrap().to_vec();
-        instance.repair(keep).unwrap();
-        let after = instance.marks().unwrap();
-        prop_assert_eq!(before.len(), after.len());
-        for (b, a) in before.iter().zip(after) {
-            let ought = b.energy as f64 * f64::from(keep).powf(2.4);
-            prop_assert!((a.energy as f64 - ought).abs() <= 1.0 + 1e-9 * ought);
-        }
-    }
-}
-
-#[test]
-fn quick_replacing_the_damage_forgets_hits_that_wait() {
-    let set = scenes::cube_set();
-    let mut dice = Dice::new(21);
-    let (first, second) = (random_hit(&set, &mut dice), random_hit(&set, &mut dice));
-    let mut other = new(&set);
-    other.submit(&first).unwrap();
-    let (bytes, marks) = (other.save(), other.marks().unwrap().to_vec());
-    type Way<'a> = (&'a str, &'a dyn Fn(&mut Instance, &mut Instance));
-    let ways: [Way<'_>; 4] = [
-        ("load", &|i, _| i.load(&bytes).unwrap()),
-        ("set_marks", &|i, _| i.set_marks(&marks).unwrap()),
-        ("copy", &|i, o| i.copy_damage_from(o).unwrap()),
-        ("reset and set", &|i, _| {
-            i.reset();
-            i.submit(&first).unwrap();
-        }),
-    ];
-    for (name, way) in ways {
-        let mut instance = new(&set);
-        instance.submit(&second).unwrap();
-        way(&mut instance, &mut other);
-        assert_eq!(instance.marks().unwrap(), marks.as_slice(), "{name}");
-        // later hits are not lost
-        instance.submit(&second).unwrap();
-        assert_eq!(instance.marks().unwrap().len(), 2, "{name}");
     }
 }
 
@@ -802,43 +680,19 @@ fn a_body_dents_alike_in_any_unit() {
     }
 }
 
-#[test]
-fn quick_n_equal_hits_are_deeper_by_the_power_until_the_limit() {
-    for (name, set) in scenes::small_bodies() {
-        let depth = 0.25 * set.depth_limit();
-        let vertex = set.vertex_count() / 3;
-        let normal = set.mesh().contact_normal(vertex as u32).unwrap();
-        let hit = push(base(&set, vertex), (normal * -depth).to_array());
-        let mut instance = new(&set);
-        let one = f64::from(scenes::length(instance.preview(&hit).unwrap().achieved));
-        let contact = instance.preview(&hit).unwrap().contact_vertex as usize;
-        let limit = f64::from(set.depth_limit());
-        for n in 1..=100u32 {
-            instance.submit(&hit).unwrap();
-            assert_eq!(instance.marks().unwrap().len(), 1, "{name}");
-            assert_eq!(instance.marks().unwrap()[0].energy, u64::from(n) * Mark::ONE);
-            let is = distance(instance.displaced(contact as u32).unwrap().to_array(), base(&set, contact));
-            let ought = one * f64::from(n).powf(1.0 / 2.4);
-            let (free, rest) = (0.75 * limit, 0.25 * limit);
-            let ought = if ought > free { free + rest * (ought - free) / (rest + ought - free) } else { ought };
-            // The contact may lie between nodes.
-            assert!((is - ought).abs() <= 0.02 * ought, "{name}, {n} hits: {is}, not {ought}");
-        }
-    }
-}
-
 fn check_own_contacts(set: &Arc<ExampleSet>) {
     for (i, e) in set.examples().iter().enumerate() {
         let mut instance = new(set);
-        let hit = push(e.contact_point().to_array(), e.contact_displacement().to_array());
-        let outcome = instance.submit(&hit).unwrap();
-        assert!(scenes::length(outcome.shortfall()) <= 1e-3 * e.depth(), "{outcome:?}");
+        let outcome = instance.submit(&scenes::own_hit(e)).unwrap();
+        let worst = set.basis_report().unwrap().worst;
+        assert!(scenes::length(outcome.shortfall()) <= 1e-3 * e.depth() + 2.0 * worst, "{outcome:?}");
         let out = Output::fresh(&mut instance);
         for v in 0..set.vertex_count() {
             let ought = (set.mesh().positions()[v] + e.delta(v as u32)).to_array();
-            // Half a step of a node.
+            // Half a step of a node. Between nodes the dent is scaled so that its contact, which is off as others are, moves as told.
             let off = distance(out.positions[v], ought);
-            assert!(off <= 1e-4 * f64::from(set.depth_limit()), "example {i}, vertex {v}: {off}");
+            let most = 1e-4 * set.depth_limit() + 2.0 * worst;
+            assert!(off <= f64::from(most), "example {i}, vertex {v}: {off}, at most {most}");
         }
     }
 }
@@ -854,23 +708,9 @@ fn quick_a_hit_at_an_examples_own_contact_is_the_example() {
 fn a_hit_at_an_examples_own_contact_is_the_example_on_solver_bodies() {
     for body in ["panel", "tube"] {
         check_own_contacts(&scenes::solver_with(body, 32, scenes::every_node(SetOptions::default())));
-    }
-}
-
-#[test]
-fn normals_without_given_ones_are_those_of_the_dented_surface() {
-    // the example's own dent: the normals that the library computed for it are those of its triangles
-    let mesh = scenes::ball(3);
-    let example = scenes::bowl(&mesh, 17, 0.08, 0.3);
-    let set = scenes::build(mesh, vec![example], SetOptions::default());
-    let e = &set.examples()[0];
-    let mut instance = new(&set);
-    instance.submit(&push(e.contact_point().to_array(), e.contact_displacement().to_array())).unwrap();
-    let out = Output::fresh(&mut instance);
-    let sums = scenes::area_normals(&set, &out.positions);
-    for (v, sum) in sums.iter().enumerate() {
-        let cos = sum.normalize().dot(Vec3::from_array(out.normals[v]));
-        assert!(cos > 0.99, "vertex {v}: {cos}");
+        let basis =
+            Some(BasisOptions { tolerance: 0.02 * scenes::solver_set(body, 8).depth_limit(), rounds: 4, nodes: 512 });
+        check_own_contacts(&scenes::solver_with(body, 8, SetOptions { basis, ..SetOptions::default() }));
     }
 }
 
@@ -941,25 +781,4 @@ fn quick_world_space_hits_arrive_in_the_bodys_own_space() {
             assert!(distance(a.achieved, b.achieved) < 1e-3 * f64::from(set.depth_limit()));
         }
     }
-}
-
-#[test]
-fn quick_yield_thresholds_leave_no_mark() {
-    let set = scenes::sheet_set();
-    let options = InstanceOptions { yield_impulse: 5.0, yield_displacement: 0.01, ..InstanceOptions::default() };
-    let mut instance = with(&set, options);
-    let impulse = |j: f32| Hit::impulse([0.0; 3], [0.0, 0.0, -j], 0.1, Some(10.0));
-    for (hit, status) in [
-        (impulse(4.9), HitStatus::BelowYield),
-        (impulse(5.1), HitStatus::Marked),
-        (push([0.0; 3], [0.0, 0.0, -0.0099]), HitStatus::BelowYield),
-        (push([0.0; 3], [0.0, 0.0, -0.0101]), HitStatus::Marked),
-    ] {
-        let outcome = instance.submit(&hit).unwrap();
-        assert_eq!(outcome.status, status, "{hit:?}");
-        if status == HitStatus::BelowYield {
-            assert_eq!((outcome.achieved, outcome.shortfall(), outcome.mark), ([0.0; 3], outcome.target, None));
-        }
-    }
-    assert_eq!(instance.marks().unwrap().len(), 2);
 }

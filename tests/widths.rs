@@ -56,8 +56,7 @@ fn examples_are_within_the_tolerance_and_their_contacts_not_rounded() {
                 let off = |v: u32| a.delta(v).as_dvec3().distance(b.delta(v).as_dvec3());
                 let worst = (0..set.vertex_count() as u32).map(off).fold(0.0, f64::max);
                 assert!(worst <= f64::from(tolerance) + 1e-9, "{body} {}: {worst} > {tolerance}", a.name());
-                let hit = Hit::displacement(b.contact_point().into(), b.contact_displacement().into());
-                let outcome = new(&set).submit(&hit).unwrap();
+                let outcome = new(&set).submit(&scenes::own_hit(b)).unwrap();
                 assert!(!outcome.clamped && Vec3::from(outcome.shortfall()).length() <= tolerance + 1e-3 * b.depth());
             }
         }

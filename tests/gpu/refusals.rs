@@ -67,8 +67,7 @@ fn targets_that_will_not_do_are_refused() {
         let tangents = Some(stream(good.tangents.unwrap(), 24));
         let mut flat = scenes::sheet(4);
         (flat.normals, flat.tangents, flat.triangles) = (None, None, Vec::new());
-        let poke = crumple::Deltas::Sparse { indices: vec![3], values: vec![[0.0, 0.0, -0.1]] };
-        let bare = scenes::build(flat, vec![crumple::ExampleData::new("poke", poke)], SetOptions::default());
+        let bare = scenes::build(flat, vec![scenes::poke(3, 0.1)], SetOptions::default());
         let def = Def { normals: Some(normals), positions, tangents: None, ..good };
         refused(gpu.crumple.add_target(&bare, &def), Unsupported, &["normal"]);
         let def = Def { tangents, positions, normals: None, ..good };

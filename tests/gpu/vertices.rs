@@ -34,9 +34,12 @@ pub fn sets() -> Vec<(String, Arc<ExampleSet>)> {
     all.push(("limits".into(), limited()));
     let mut points = scenes::sheet(20);
     (points.normals, points.tangents, points.triangles) = (None, None, Vec::new());
-    let poke = crumple::Deltas::Sparse { indices: vec![21, 22], values: vec![[0.02, 0.0, -0.1]; 2] };
-    let poke = crumple::ExampleData::new("poke", poke);
-    all.push(("points".into(), scenes::build(points, vec![poke], SetOptions::default())));
+    all.push(("points".into(), scenes::build(points, vec![scenes::poke(21, 0.1)], SetOptions::default())));
+    let cube = scenes::cube(16);
+    let bowls = scenes::bowls(&cube, 6, 0.4, 5);
+    let mut levels = ExampleSet::build(cube, bowls, SetOptions::default(), &Serial).unwrap();
+    levels.add_lod(scenes::cube(6), &Serial).unwrap();
+    all.push(("levels of detail".into(), Arc::new(levels)));
     all.push(("panel".into(), scenes::solver_set("panel", 6)));
     all.push(("cube that has learned".into(), scenes::learned(&scenes::cube(6), 12, 6)));
     all
@@ -88,62 +91,34 @@ fn compare(
     }
 }
 
+/// Of all levels of detail; dents of small bodies that grow, too.
 #[test]
 fn vertices_are_those_of_the_cpu() {
     let sets = sets();
+    let cases = sets.iter().enumerate().flat_map(|(i, (name, set))| {
+        let grow_times = if i < 3 { &[0.0, 1.0][..] } else { &[0.0] };
+        (0..set.lod_count()).flat_map(move |lod| grow_times.iter().map(move |grow_time| (name, set, lod, *grow_time)))
+    });
+    let cases: Vec<_> = cases.collect();
     on_each_device(|gpu| {
-        for (name, set) in &sets {
-            let instance = Instance::new(set.clone(), InstanceOptions::default()).unwrap();
-            let layout = TestLayout::everything(set, 0, 20);
-            compare(gpu, name, instance, &layout, |instance, frame| {
+        for (name, set, lod, grow_time) in &cases {
+            let options = InstanceOptions { grow_time: *grow_time, ..InstanceOptions::default() };
+            let instance = Instance::new((*set).clone(), options).unwrap();
+            let layout = TestLayout::everything(set, *lod, 20);
+            compare(gpu, &format!("{name}, {lod}, {grow_time}"), instance, &layout, |instance, frame| {
+                instance.set_time(0.3 * frame as f64).unwrap();
                 match frame {
                     1 => hit(instance, 1, 7),
                     2 => hit(instance, 2, 8),
                     3 => hit(instance, 30, 9),
                     4 => instance.set_depth_limit(Some(set.depth_limit() * 0.3)).unwrap(),
                     5 => instance.set_marks(&any_marks(set, 12, &mut Dice::new(11))).unwrap(),
-                    6 => instance.repair(0.5).unwrap(),
+                    6 => hit(instance, 5, 6),
+                    7 => instance.repair(0.5).unwrap(),
+                    8 | 9 => {}
                     _ => instance.reset(),
                 }
-                frame < 8
-            });
-        }
-    });
-}
-
-#[test]
-fn dents_grow_as_on_the_cpu() {
-    let options = InstanceOptions { grow_time: 1.0, ..InstanceOptions::default() };
-    on_each_device(|gpu| {
-        for (name, set) in scenes::small_bodies() {
-            let instance = Instance::new(set.clone(), options).unwrap();
-            let layout = TestLayout::everything(&set, 0, 20);
-            compare(gpu, name, instance, &layout, |instance, frame| {
-                instance.set_time(0.3 * frame as f64).unwrap();
-                match frame {
-                    1 | 3 => hit(instance, 5, frame),
-                    5 => instance.repair(0.4).unwrap(),
-                    _ => {}
-                }
-                frame < 10
-            });
-        }
-    });
-}
-
-#[test]
-fn levels_of_detail_show_the_same_damage() {
-    let mesh = scenes::cube(16);
-    let examples = scenes::bowls(&mesh, 6, 0.4, 5);
-    let mut set = ExampleSet::build(mesh, examples, SetOptions::default(), &Serial).unwrap();
-    set.add_lod(scenes::cube(6), &Serial).unwrap();
-    let set = Arc::new(set);
-    on_each_device(|gpu| {
-        for lod in 0..2 {
-            let layout = TestLayout::everything(&set, lod, 4);
-            compare(gpu, "lod", folded(&set, 5, 3), &layout, |i, frame| {
-                hit(i, 3, frame);
-                frame < 3
+                frame < 11
             });
         }
     });

@@ -15,8 +15,8 @@ use proptest::test_runner::RngSeed;
 use crumple::glam::Vec3;
 use crumple::import::{Imported, MeshChoice, gltf_file};
 use crumple::{
-    BasisOptions, Blow, Cause, Contact, Deltas, ExampleData, ExampleSet, Hit, Instance, InstanceOptions, MeshData,
-    Serial, SetOptions, Space, Striker, StrikerShape,
+    BasisOptions, Blow, Cause, Contact, Deltas, Example, ExampleData, ExampleSet, Hit, Instance, InstanceOptions,
+    MeshData, Serial, SetOptions, Space, Striker, StrikerShape,
 };
 
 /// The repository's root. The lab's tests read its files too.
@@ -91,32 +91,18 @@ pub fn length(a: [f32; 3]) -> f32 {
 
 /// A flat sheet of 1 m by 1 m in the plane z = 0, facing +z, with `n` by `n` squares.
 pub fn sheet(n: usize) -> MeshData {
-    let mut positions = Vec::new();
-    for i in 0..=n {
-        for j in 0..=n {
-            positions.push([i as f32 / n as f32 - 0.5, j as f32 / n as f32 - 0.5, 0.0]);
-        }
-    }
+    let place = |i: usize| i as f32 / n as f32 - 0.5;
+    let positions: Vec<_> = (0..=n).flat_map(|i| (0..=n).map(move |j| [place(i), place(j), 0.0])).collect();
+    let at = |i: usize, j: usize| (i * (n + 1) + j) as u32;
+    let cut = |(i, j)| [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]];
     let count = positions.len();
     MeshData {
         positions,
         normals: Some(vec![[0.0, 0.0, 1.0]; count]),
         tangents: Some(vec![[1.0, 0.0, 0.0, 1.0]; count]),
-        triangles: grid_triangles(n, 0),
+        triangles: (0..n * n).map(|k| (k / n, k % n)).flat_map(cut).collect(),
         ..MeshData::default()
     }
-}
-
-fn grid_triangles(n: usize, first: u32) -> Vec<[u32; 3]> {
-    let at = |i: usize, j: usize| first + (i * (n + 1) + j) as u32;
-    let mut triangles = Vec::new();
-    for i in 0..n {
-        for j in 0..n {
-            triangles.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
-            triangles.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
-        }
-    }
-    triangles
 }
 
 /// A closed sphere of radius 0.5 m: an icosahedron split `splits` times.
@@ -167,28 +153,23 @@ pub fn ball(splits: usize) -> MeshData {
 /// edge and must be even.
 pub fn cube(n: usize) -> MeshData {
     assert!(n.is_multiple_of(2));
+    let side = sheet(n);
     let mut mesh = MeshData { normals: Some(Vec::new()), tangents: Some(Vec::new()), ..MeshData::default() };
     for face in 0..6 {
         let (axis, sign) = (face / 2, if face % 2 == 0 { 1.0f32 } else { -1.0 });
-        let mut normal = [0.0; 3];
-        normal[axis] = sign;
         // u x v = normal, so that the grid's triangles face outwards
         let (u, v) = if sign > 0.0 { ((axis + 1) % 3, (axis + 2) % 3) } else { ((axis + 2) % 3, (axis + 1) % 3) };
-        let mut tangent = [0.0, 0.0, 0.0, 1.0];
-        tangent[u] = 1.0;
+        let (mut normal, mut tangent) = ([0.0; 3], [0.0, 0.0, 0.0, 1.0]);
+        (normal[axis], tangent[u]) = (sign, 1.0);
         let first = mesh.positions.len() as u32;
-        for i in 0..=n {
-            for j in 0..=n {
-                let mut p = [0.0; 3];
-                p[axis] = 0.5 * sign;
-                p[u] = i as f32 / n as f32 - 0.5;
-                p[v] = j as f32 / n as f32 - 0.5;
-                mesh.positions.push(p);
-                mesh.normals.as_mut().unwrap().push(normal);
-                mesh.tangents.as_mut().unwrap().push(tangent);
-            }
-        }
-        mesh.triangles.extend(grid_triangles(n, first));
+        mesh.triangles.extend(side.triangles.iter().map(|t| t.map(|v| first + v)));
+        mesh.normals.as_mut().unwrap().extend(side.positions.iter().map(|_| normal));
+        mesh.tangents.as_mut().unwrap().extend(side.positions.iter().map(|_| tangent));
+        mesh.positions.extend(side.positions.iter().map(|[x, y, _]| {
+            let mut p = [0.0; 3];
+            (p[axis], p[u], p[v]) = (0.5 * sign, *x, *y);
+            p
+        }));
     }
     let column = n / 2;
     let first = mesh.positions.len() as u32;
@@ -261,6 +242,11 @@ pub fn bowl(mesh: &MeshData, contact: u32, depth: f32, radius: f32) -> ExampleDa
         contact: Some(Contact::Vertex(contact)),
         ..ExampleData::new(format!("bowl at {contact}"), Deltas::Sparse { indices, values })
     }
+}
+
+/// Moves one vertex against z.
+pub fn poke(vertex: u32, depth: f32) -> ExampleData {
+    ExampleData::new("poke", Deltas::Sparse { indices: vec![vertex], values: vec![[0.0, 0.0, -depth]] })
 }
 
 /// What an example moves each of `count` vertices by, m.
@@ -398,6 +384,11 @@ pub fn solver_set(body: &str, count: usize) -> Arc<ExampleSet> {
 
 pub fn push(point: [f32; 3], displacement: [f32; 3]) -> Hit {
     Hit { point, cause: Cause::Displacement(displacement), space: Space::Local, contact: None }
+}
+
+/// The displacement of an example's contact, there.
+pub fn own_hit(example: &Example) -> Hit {
+    push(example.contact_point().into(), example.contact_displacement().into())
 }
 
 /// A hit near a random vertex, pushed inwards at up to about 60 degrees from the normal. Its length is 0.02 to 1.5
