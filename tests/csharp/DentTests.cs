@@ -80,18 +80,15 @@ static class DentTests
             CrumpleInstanceDef def = CrumpleInstanceDef.Default;
             def.Compliance = 0.001f;
             Instance body = context.CreateInstance(context.CreateExampleSet(Sheet.Def()), in def);
-            CrumpleContactPointDef[] points = new CrumpleContactPointDef[2];
-            for (int i = 0; i < 2; i++)
-            {
-                points[i] = CrumpleContactPointDef.Default;
-                points[i].Pair = 9;
-                points[i].Bodies0 = body.Id;
-                points[i].Point = new CrumpleVec3(0.01f * i, 0, 0.07f);
-                points[i].Normal = new CrumpleVec3(0, 0, 1);
-                points[i].HasVelocity = true;
-                points[i].Velocity = new CrumpleVec3(0, 0, -5);
-                points[i].Impulse = 15;
-            }
+            CrumpleContactPointDef point = CrumpleContactPointDef.Default;
+            point.Pair = 9;
+            point.Bodies0 = body.Id;
+            point.Point = new CrumpleVec3(0, 0, 0.07f);
+            point.Normal = new CrumpleVec3(0, 0, 1);
+            point.HasVelocity = true;
+            point.Velocity = new CrumpleVec3(0, 0, -5);
+            point.Impulse = 15;
+            CrumpleContactPointDef[] points = { point, point };
             context.ReportContacts(points);
             Check.Same(1UL, context.StepContacts(1f / 60).Hits, "one blow");
             CrumpleContactHit[] hits = new CrumpleContactHit[2];
