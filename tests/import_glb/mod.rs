@@ -40,14 +40,8 @@ impl Glb {
     pub fn floats(&mut self, kind: &str, values: &[f32]) -> usize {
         let width = ["SCALAR", "VEC2", "VEC3", "VEC4"].iter().position(|k| *k == kind).unwrap() + 1;
         let view = self.view(&bytes(values));
-        let mut accessor =
-            json!({ "bufferView": view, "componentType": 5126, "count": values.len() / width, "type": kind });
-        if kind == "VEC3" {
-            let column = |i: usize| values.iter().skip(i).step_by(3).copied();
-            accessor["min"] = (0..3).map(|i| f64::from(column(i).fold(f32::MAX, f32::min))).collect();
-            accessor["max"] = (0..3).map(|i| f64::from(column(i).fold(f32::MIN, f32::max))).collect();
-        }
-        self.push("accessors", accessor)
+        let count = values.len() / width;
+        self.push("accessors", json!({ "bufferView": view, "componentType": 5126, "count": count, "type": kind }))
     }
 
     /// Vertex indices in components of 1, 2 or 4 bytes.
