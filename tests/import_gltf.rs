@@ -4,9 +4,11 @@
 mod import_glb;
 mod scenes;
 
+use crumple::glam::Vec3;
 use crumple::import::{Imported, MeshChoice, Patterns, Reading, apply_extras, gltf_file, gltf_slice};
-use crumple::{Blow, Contact, Deltas, Error, ErrorKind, ExampleData, Striker};
+use crumple::{Blow, Contact, Error, ErrorKind, ExampleData, Striker};
 use import_glb::{Glb, SQUARE, UP, bytes, fixture, sparse, square};
+use scenes::field;
 use serde_json::{Value, json};
 
 fn blender(name: &str) -> Imported {
@@ -15,13 +17,6 @@ fn blender(name: &str) -> Imported {
 
 fn read(glb: &Glb) -> Imported {
     gltf_slice(&glb.bytes(), None, MeshChoice::First).unwrap()
-}
-
-fn dense(deltas: &Deltas, count: usize) -> Vec<[f32; 3]> {
-    let mut out = vec![[0.0; 3]; count];
-    let (indices, values) = sparse(deltas);
-    indices.iter().zip(values).for_each(|(i, v)| out[*i as usize] = *v);
-    out
 }
 
 /// The dent of tests/fixtures/README.md.
@@ -40,7 +35,7 @@ fn assert_dent(
     direction: [f64; 3],
 ) {
     let positions = &imported.mesh.positions;
-    let deltas = dense(&example.positions, positions.len());
+    let deltas = field(&example.positions, positions.len());
     let mut deepest: f64 = 0.0;
     for (at, delta) in positions.iter().zip(&deltas) {
         let expected = dent(*at, centre, radius, depth, direction);
@@ -61,7 +56,7 @@ fn assert_dent(
 fn assert_watertight(imported: &Imported) -> usize {
     let places = scenes::coincident(&imported.mesh.positions);
     for example in &imported.examples {
-        let deltas = dense(&example.positions, imported.mesh.positions.len());
+        let deltas = field(&example.positions, imported.mesh.positions.len());
         for twins in &places {
             assert!(twins.iter().all(|v| deltas[*v] == deltas[twins[0]]), "{} tears {twins:?}", example.name);
         }
@@ -96,10 +91,9 @@ fn deltas_are_what_the_artist_modelled() {
         let [left, middle] = &plate.examples[..] else { panic!("two examples") };
         assert_dent(&plate, left, [-0.25, 0.0, 0.0], 0.3, 0.1, [0.0, -1.0, 0.0]);
         assert_dent(&plate, middle, [0.0, 0.0, -0.125], 0.3, 0.05, [0.0, -0.8, -0.6]);
-        let normals = dense(left.normals.as_ref().unwrap(), 90);
+        let normals = field(left.normals.as_ref().unwrap(), 90);
         for (base, delta) in plate.mesh.normals.as_ref().unwrap().iter().zip(&normals) {
-            let length: f32 = base.iter().zip(delta).map(|(a, b)| (a + b) * (a + b)).sum();
-            assert!((length - 1.0).abs() < 1e-3, "deformed normals are unit normals");
+            assert!(((Vec3::from(*base) + *delta).length() - 1.0).abs() < 1e-3, "deformed normals are unit normals");
         }
     }
 }

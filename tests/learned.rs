@@ -43,7 +43,7 @@ static TWENTY: LazyLock<Arc<ExampleSet>> = LazyLock::new(|| Soft::new().set(20))
 
 /// A set with as many nodes as a hundredth of the depth limit needs.
 fn learned(mesh: &MeshData, examples: Vec<ExampleData>, options: SetOptions) -> Arc<ExampleSet> {
-    let moved = examples.iter().flat_map(|e| scenes::field(e, mesh.positions.len()));
+    let moved = examples.iter().flat_map(|e| scenes::field(&e.positions, mesh.positions.len()));
     let deepest = moved.map(|u| u.length()).fold(0.0, f32::max);
     let options = SetOptions { basis: Some(BasisOptions::new(0.01 * deepest)), ..options };
     let set = ExampleSet::build(mesh.clone(), examples, options, &ThreadPool::new(2).unwrap()).unwrap();

@@ -37,7 +37,7 @@ fn a_level_that_is_the_base_mesh_moves_as_the_base_does_and_seams_stay_closed() 
         [(sheet(12), 0.4, vec![]), (ball(2), 0.45, vec![]), (cube(10), 0.6, vec![cube(6), cube(14)])]
     {
         for tolerance in [None, Some(1e-4)] {
-            let lods = [&[mesh.clone()], &others[..]].concat();
+            let lods = [std::slice::from_ref(&mesh), &others[..]].concat();
             let set = with_lods(mesh.clone(), bowls(&mesh, 5, radius, 3), options(tolerance), &lods);
             assert_eq!(set.report().lods[0].farthest, 0.0);
             let mut body = dented(&set, InstanceOptions::default(), &hits(&set, 9));

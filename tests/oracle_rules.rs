@@ -112,7 +112,8 @@ fn ragged(mesh: &MeshData, dice: &mut Dice) -> ExampleData {
 fn given(mesh: &MeshData, examples: &[ExampleData]) -> Vec<Vec<DVec3>> {
     let groups = scenes::coincident(&mesh.positions);
     let one = |e: &ExampleData| {
-        let mut field: Vec<DVec3> = scenes::field(e, mesh.positions.len()).iter().map(|u| u.as_dvec3()).collect();
+        let mut field: Vec<DVec3> =
+            scenes::field(&e.positions, mesh.positions.len()).iter().map(|u| u.as_dvec3()).collect();
         for group in &groups {
             let mean = group.iter().map(|v| field[*v]).sum::<DVec3>() / group.len() as f64;
             group.iter().for_each(|v| field[*v] = mean);
@@ -175,7 +176,7 @@ proptest! {
         let mut dice = Dice::new(seed);
         let mesh = scenes::cube(4);
         let example = ragged(&mesh, &mut dice);
-        let full = scenes::field(&example, mesh.positions.len()).iter().map(|u| u.to_array()).collect();
+        let full = scenes::field(&example.positions, mesh.positions.len()).iter().map(|u| u.to_array()).collect();
         let as_full = ExampleData { positions: Deltas::Full(full), ..example.clone() };
         let given = given(&mesh, std::slice::from_ref(&example)).remove(0);
         let set = build(mesh, vec![example, as_full], SetOptions::default());

@@ -198,7 +198,7 @@ fn only_examples_that_fold_the_surface_fold_it() {
     };
     for pull in [0.0, 0.3, 0.6, 0.9, 1.5, 3.0] {
         let example = dent(&mesh, [0.0, 0.0], 0.2, [0.0, 0.0, -0.03], pull);
-        let own = turned(&scenes::field(&example, mesh.positions.len()));
+        let own = turned(&scenes::field(&example.positions, mesh.positions.len()));
         assert_eq!(own > 0, pull > 1.0);
         let set = build(mesh.clone(), vec![example], SetOptions::default());
         let at = |x: f32, y: f32| push([x, y, 0.0], [0.0, 0.0, -0.03]);

@@ -249,9 +249,9 @@ pub fn poke(vertex: u32, depth: f32) -> ExampleData {
     ExampleData::new("poke", Deltas::Sparse { indices: vec![vertex], values: vec![[0.0, 0.0, -depth]] })
 }
 
-/// What an example moves each of `count` vertices by, m.
-pub fn field(example: &ExampleData, count: usize) -> Vec<Vec3> {
-    match &example.positions {
+/// Displacements of each of `count` vertices, m.
+pub fn field(deltas: &Deltas, count: usize) -> Vec<Vec3> {
+    match deltas {
         Deltas::Full(values) => values.iter().map(|u| Vec3::from(*u)).collect(),
         Deltas::Sparse { indices, values } => {
             let mut field = vec![Vec3::ZERO; count];
