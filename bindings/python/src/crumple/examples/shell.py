@@ -24,6 +24,8 @@ _FOLDED = 0.94
 """Cosine of the angle between triangles of one edge that lie on each other: 20 degrees."""
 _MORE, _FEWER = 1.4, 0.8
 """A shell with this many times the wanted points is remeshed more coarsely, unless it then has less than the second."""
+CREASE = 15.0
+"""Degrees: edges of the mesh that are sharper stay edges of the shell. A crease that is cut off dents like smooth sheet."""
 NAMED = 3
 """Places or parts that a note names."""
 _NEIGHBOURS = 8
@@ -259,7 +261,7 @@ def _remesh(body: Body, surface: Ints, edge: float) -> tuple[Floats, Ints]:
     try:
         meshes.meshing_remove_null_faces()
         length = pymeshlab.PureValue(edge * scale)
-        meshes.meshing_isotropic_explicit_remeshing(iterations=8, targetlen=length, featuredeg=40)
+        meshes.meshing_isotropic_explicit_remeshing(iterations=8, targetlen=length, featuredeg=CREASE)
         meshes.meshing_remove_unreferenced_vertices()
     except pymeshlab.PyMeshLabException as error:
         raise Failure(f"{body.name} cannot be remeshed: {error}; merge its vertices by distance and export it again") from error

@@ -1,0 +1,90 @@
+"""How well `crumple examples` does on a bare door: its examples against hits of another, finer solver's run that they do not contain.
+
+    python bindings/python/tools/door.py [--count 24 60 120 300] [--out FOLDER]
+
+The door is the structure's (lab/data/README.md): a skin with a crease and a free edge over a rigid beam and post. The command gets what an artist has:
+the mesh, paint where it is held, the frame as solids inside, and the sheet's material. Its shell has some 600 points, and the truth's has 2460.
+The hits are those of play.npz, told as blows: the contact's place and normal, and the striker's mass, velocity and radius; told also as the
+displacement of the contact. The error is the relative L2 norm of the displacement over all vertices; no dent is 1. Hits that leave less than
+2 mm at the contact are left out. Minutes are those of one core, by the processes' own clocks. The run can be interrupted and repeated.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from pathlib import Path
+
+import numpy as np
+
+import crumple
+from crumple.examples import command
+from crumple.examples.materials import MATERIALS, Material
+
+REPOSITORY = Path(__file__).resolve().parents[3]
+TRUTH = REPOSITORY / "lab/data/structure/door"
+LEAST = 2e-3
+"""m"""
+# Processes that the command starts read this file, too.
+MATERIALS["door"] = Material(young=2e10, poisson=0.3, density=7800.0, thickness=0.003, yield_stretch=0.0005, yield_bend=0.001)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--count", type=int, nargs="+", default=[24, 60, 120, 300])
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("--out", type=Path, default=REPOSITORY / "out/door")
+    options = parser.parse_args()
+    options.out.mkdir(parents=True, exist_ok=True)
+    door, made = options.out / "door.glb", options.out / "examples.glb"
+    base, play = np.load(TRUTH / "base.npz"), np.load(TRUTH / "play.npz")
+    written(base, door)
+    beams = ["capsule:" + ",".join(f"{number:.9g}" for number in one) for one in base["frame"]]
+    arguments = "--material door --hold marked --tilt 50 --go-on".split() + ["--jobs", str(options.jobs), "--inner", *beams]
+    for count in sorted(options.count):
+        if command.main([str(door), "-o", str(made), "--count", str(count), *arguments]):
+            sys.exit(1)
+        blow, moved = errors(made, base["vertices"], play)
+        print(
+            f"{count} examples, {len(blow)} hits: told the blow {np.median(blow):.3f} / {np.quantile(blow, 0.9):.3f}, "
+            f"told the displacement {np.median(moved):.3f} / {np.quantile(moved, 0.9):.3f}",
+            flush=True,
+        )
+
+
+def written(base: np.lib.npyio.NpzFile, path: Path) -> None:
+    """The door as a file, red where it is held."""
+    sys.path.insert(0, str(REPOSITORY / "bindings/python/tests"))
+    import bodies
+
+    colours = np.where(base["pinned"][:, None], [1.0, 0.0, 0.0, 1.0], [1.0, 1.0, 1.0, 1.0])
+    bodies.write(path, [(base["vertices"], base["triangles"])], name="door", colours=colours)
+
+
+def errors(made: Path, rest: np.ndarray, play: np.lib.npyio.NpzFile) -> tuple[list[float], list[float]]:
+    """Of the hits that leave a dent: told the blow, and told where the contact went."""
+    blow, moved = [], []
+    with crumple.Context(threads=1) as context:
+        body = context.load(made).instance()
+        fields = play["fields"] * float(play["step"])
+        for i, truth in enumerate(fields):
+            contact = truth[play["contact_vertex"][i]]
+            if np.linalg.norm(contact) < LEAST:
+                continue
+            striker = crumple.Striker(float(play["mass"][i]), float(play["radius"][i]), play["velocity"][i])
+            body.reset()
+            body.hit(play["contact_point"][i], striker=striker, normal=play["contact_normal"][i])
+            blow.append(relative(body.deformed().positions - rest, truth))
+            body.reset()
+            body.hit_displacement(rest[play["contact_vertex"][i]], contact)
+            moved.append(relative(body.deformed().positions - rest, truth))
+    return blow, moved
+
+
+def relative(field: np.ndarray, truth: np.ndarray) -> float:
+    return float(np.linalg.norm(field - truth) / np.linalg.norm(truth))
+
+
+if __name__ == "__main__":
+    main()
