@@ -63,7 +63,6 @@ pub use base::error::{Error, ErrorKind};
 pub use base::math::Aabb;
 pub use base::simd::SimdLevel;
 pub use base::tasks::{Serial, TaskSystem, ThreadPool};
-pub use basis::Basis;
 pub use basis::learn::{BasisOptions, BasisReport};
 #[cfg(all(fuzzing, feature = "capi"))]
 #[doc(hidden)]

@@ -35,7 +35,7 @@ impl ExampleSet {
         // No example moves held vertices, and what is carried ends there.
         let images = Images { mesh: self.mesh(), index: self.index(), planes: self.report().mirror_planes };
         let (basis, report) = Basis::learn(&images, || self.fields(tasks), &self.rim().held, &options, tasks)?;
-        let nodes = self.node_mesh(basis.nodes(), tasks)?;
+        let nodes = self.node_mesh(&basis.nodes, tasks)?;
         let rule = LearnedRule::learn(&self.rule_source(&nodes), tasks);
         let mut hash = XxHash3_64::new();
         hash.write(&self.fingerprint().to_le_bytes());

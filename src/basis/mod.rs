@@ -20,7 +20,6 @@ pub(crate) mod nodes;
 pub(crate) mod slopes;
 
 use crate::base::array::Array;
-use glam::Vec3;
 
 /// Vertices in a tile.
 pub(crate) const TILE: usize = 16;
@@ -59,10 +58,10 @@ pub(crate) struct Tile {
 
 /// The nodes of a body, and how the vertices of its mesh follow them.
 #[derive(Debug, Clone, Default)]
-pub struct Basis {
+pub(crate) struct Basis {
     /// Vertices of the base mesh, one per position at most, ascending.
-    pub(crate) nodes: Array<u32>,
-    pub(crate) rows: Rows,
+    pub nodes: Array<u32>,
+    pub rows: Rows,
 }
 
 impl Rows {
@@ -92,41 +91,5 @@ impl Rows {
     /// Memory used, bytes.
     pub(crate) fn bytes(&self) -> usize {
         self.tiles.bytes() + self.nodes.bytes() + self.weights.bytes() + self.slopes.bytes() + self.slope_units.bytes()
-    }
-}
-
-impl Basis {
-    /// Number of nodes.
-    pub fn node_count(&self) -> usize {
-        self.nodes.len()
-    }
-
-    /// The nodes: vertices of the base mesh, ascending.
-    pub fn nodes(&self) -> &[u32] {
-        &self.nodes
-    }
-
-    /// Returns the displacements of all vertices (m) for those of the nodes, in plain f32 and without limits: what a slow, simple
-    /// reader of the basis would compute.
-    pub fn follow(&self, nodes: &[Vec3]) -> Vec<Vec3> {
-        let mut out = Vec::with_capacity(TILE * self.rows.tiles.len());
-        for tile in 0..self.rows.tiles.len() {
-            let mut sums = [Vec3::ZERO; TILE];
-            let pairs = self.rows.nodes_of(tile).chunks_exact(2).zip(self.rows.weights_of(tile).chunks_exact(2 * TILE));
-            for (pair, weights) in pairs {
-                for (sum, w) in sums.iter_mut().zip(weights.chunks_exact(2)) {
-                    for (node, w) in pair.iter().zip(w) {
-                        *sum += nodes[*node as usize] * (f32::from(*w) / ONE as f32);
-                    }
-                }
-            }
-            out.extend(sums);
-        }
-        out
-    }
-
-    /// Memory used, bytes.
-    pub fn bytes(&self) -> usize {
-        self.nodes.bytes() + self.rows.bytes()
     }
 }
