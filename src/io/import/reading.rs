@@ -151,14 +151,10 @@ impl Found {
     }
 }
 
-/// What a piece of the body does when it is hit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Mark {
-    Dents,
-    Glass,
-    Rigid,
-    Moving,
-}
+/// What a piece of the body does when it is hit. `None`: it moves on its own.
+type Mark = Option<PartKind>;
+
+const DENTS: Mark = Some(PartKind::Dents);
 
 impl Reading {
     pub(super) fn check(&self) -> Result<(), Error> {
@@ -173,11 +169,11 @@ impl Reading {
 fn mark_in(element: &Value, what: impl FnOnce() -> String) -> Result<Mark, Error> {
     let value = &element["extras"]["crumple"];
     let shown = match value {
-        Value::Null | Value::Object(_) => return Ok(Mark::Dents),
+        Value::Null | Value::Object(_) => return Ok(DENTS),
         Value::String(text) => match text.trim().to_ascii_lowercase().as_str() {
-            "rigid" => return Ok(Mark::Rigid),
-            "glass" => return Ok(Mark::Glass),
-            "moving" => return Ok(Mark::Moving),
+            "rigid" => return Ok(Some(PartKind::Rigid)),
+            "glass" => return Ok(Some(PartKind::Glass)),
+            "moving" => return Ok(None),
             _ => format!("'{text}'"),
         },
         other => brief(other),
@@ -186,7 +182,7 @@ fn mark_in(element: &Value, what: impl FnOnce() -> String) -> Result<Mark, Error
 }
 
 /// The marks that patterns give, strongest first.
-const BY_PATTERNS: [Mark; 3] = [Mark::Moving, Mark::Rigid, Mark::Glass];
+const BY_PATTERNS: [Mark; 3] = [None, Some(PartKind::Rigid), Some(PartKind::Glass)];
 
 /// The marks of a file's nodes and materials.
 pub(super) struct Marks<'r> {
@@ -228,7 +224,7 @@ impl<'r> Marks<'r> {
             let own = hints(names[node], of_nodes[node]);
             Hints {
                 found: std::array::from_fn(|k| own.found[k].or(above.found[k])),
-                extras: if own.extras == Mark::Dents { above.extras } else { own.extras },
+                extras: if own.extras == DENTS { above.extras } else { own.extras },
             }
         };
         let of_materials = material_names.iter().zip(marks("materials")?).map(|(name, extras)| hints(name, extras));
@@ -242,7 +238,7 @@ impl<'r> Marks<'r> {
                 aside = nodes.aside();
             }
         }
-        let nothing = Hints { found: [Found::default(); 3], extras: Mark::Dents };
+        let nothing = Hints { found: [Found::default(); 3], extras: DENTS };
         Ok(Self {
             patterns,
             nodes: nodes.inherited(nothing, inherited),
@@ -255,18 +251,14 @@ impl<'r> Marks<'r> {
 
     /// The nodes that the reading takes for its body, and those that it does not take because they are not shown beside the others.
     pub(super) fn chosen(&self) -> (Vec<usize>, Vec<usize>) {
-        let is_chosen = |node: &usize| self.taken[*node] && self.decide(Some(*node), None, None) != Mark::Moving;
+        let is_chosen = |node: &usize| self.taken[*node] && self.decide(Some(*node), None, None).is_some();
         (0..self.taken.len()).filter(is_chosen).partition(|node| !self.aside[*node])
     }
 
     /// What a primitive does when it is hit.
     pub(super) fn of_primitive(&self, node: Option<usize>, mesh: usize, material: Option<usize>) -> PartKind {
-        match self.decide(node, Some(mesh), material) {
-            Mark::Dents => PartKind::Dents,
-            Mark::Glass => PartKind::Glass,
-            // A primitive cannot be left out of its mesh.
-            Mark::Rigid | Mark::Moving => PartKind::Rigid,
-        }
+        // A primitive cannot be left out of its mesh.
+        self.decide(node, Some(mesh), material).unwrap_or(PartKind::Rigid)
     }
 
     fn decide(&self, node: Option<usize>, mesh: Option<usize>, material: Option<usize>) -> Mark {
@@ -279,6 +271,6 @@ impl<'r> Marks<'r> {
         }
         let mesh = mesh.and_then(|mesh| self.meshes.get(mesh)).copied();
         let extras = [node.map(|hints| hints.extras), mesh, material.map(|hints| hints.extras)];
-        extras.into_iter().flatten().find(|mark| *mark != Mark::Dents).unwrap_or(Mark::Dents)
+        extras.into_iter().flatten().find(|mark| *mark != DENTS).unwrap_or(DENTS)
     }
 }
