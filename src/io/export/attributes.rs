@@ -24,6 +24,15 @@ pub(super) struct Written<const N: usize> {
 }
 
 impl<const N: usize> Written<N> {
+    /// `new` returns what a value of the file becomes, or `None` if it stays.
+    fn of(file: &[[f32; N]], new: impl Fn(usize, [f32; N]) -> Option<[f32; N]>) -> Self {
+        let new: Vec<Option<[f32; N]>> = file.iter().enumerate().map(|(v, value)| new(v, *value)).collect();
+        Written {
+            changed: new.iter().map(Option::is_some).collect(),
+            values: new.into_iter().zip(file).map(|(new, old)| new.unwrap_or(*old)).collect(),
+        }
+    }
+
     fn any(&self) -> bool {
         self.changed.contains(&true)
     }
@@ -57,78 +66,53 @@ pub(super) struct Changes {
 impl Changes {
     /// `rest` is the body at rest, `after` is what it became, and `shown` what the file adds to the piece by default.
     pub fn of(piece: &Piece<'_>, rest: &MeshData, after: &Vertices<'_>, shown: Option<&Offsets>) -> Self {
-        let own = piece.first_vertex..piece.first_vertex + piece.surface.data.positions.len();
+        let (first, surface) = (piece.first_vertex, &piece.surface);
         let linear = DMat3::from_mat4(piece.to_body);
         let back = linear.inverse();
         let as_it_is = piece.to_body == DMat4::IDENTITY;
-        let map = |m: DMat3, v: Vec3| m * v.as_dvec3();
-        let surface = &piece.surface;
+        let wide = |v: [f32; 3]| DVec3::from(v.map(f64::from));
+        let is_moved = |v: usize| after.positions[first + v] != rest.positions[first + v];
+        let least = |v: usize| if is_moved(v) { 0.0 } else { ROUNDING };
+        let added = |of: fn(&Offsets) -> &[[f32; 3]], v: usize| shown.map(|s| of(s)[v]).filter(|by| *by != [0.0; 3]);
 
-        let (at_rest, moved) = (&rest.positions[own.clone()], &after.positions[own.clone()]);
-        let least = |v: usize| if moved[v] == at_rest[v] { ROUNDING } else { 0.0 };
-        let added = |v: usize| shown.map_or([0.0; 3], |shown| shown.positions[v]);
-        let turned = |v: usize| shown.map_or([0.0; 3], |shown| shown.normals[v]);
-        let position = |(v, p): (usize, &[f32; 3])| {
-            let p = match moved[v] == at_rest[v] {
-                true => *p,
-                false if as_it_is => moved[v],
-                false => {
-                    let by = Vec3::from(moved[v]).as_dvec3() - Vec3::from(at_rest[v]).as_dvec3();
-                    to_f32(Vec3::from(*p).as_dvec3() + back * by)
-                }
-            };
-            if added(v) == [0.0; 3] { p } else { sum(p, added(v)) }
-        };
-        let positions = Written {
-            values: surface.data.positions.iter().enumerate().map(position).collect(),
-            changed: (0..own.len()).map(|v| moved[v] != at_rest[v] || added(v) != [0.0; 3]).collect(),
-        };
+        let positions = Written::of(&surface.data.positions, |v, p| {
+            let (before, now) = (rest.positions[first + v], after.positions[first + v]);
+            let place = || if as_it_is { now } else { to_f32(wide(p) + back * (wide(now) - wide(before))) };
+            let moved = is_moved(v).then(place);
+            added(|s| &s.positions, v).map(|by| sum(moved.unwrap_or(p), by)).or(moved)
+        });
 
-        let normals = surface.data.normals.as_ref().map(|normals| {
-            let given = after.normals.map(|n| &n[own.clone()]);
+        let normal = |v: usize, n: [f32; 3]| {
             // An example set makes normals exactly this long.
-            let at_rest = |v: usize| unit(Vec3::from(rest.normals.as_ref().map_or([0.0; 3], |n| n[own.start + v])));
-            let turned_by = |v: usize, n: [f32; 3]| at_rest(v).map(|rest| (rest - Vec3::from(n)).abs().max_element());
-            let is_new = |v: usize| given.is_some_and(|n| turned_by(v, n[v]).is_none_or(|by| by > least(v)));
-            let normal = |(v, n): (usize, &[f32; 3])| {
-                let n = match given.filter(|_| is_new(v)) {
-                    Some(given) if as_it_is => given[v],
-                    Some(given) => to_f32(map(linear.transpose(), Vec3::from(given[v])).normalize_or_zero()),
-                    None => *n,
-                };
-                if turned(v) == [0.0; 3] {
-                    n
-                } else {
-                    Vec3::from(sum(n, turned(v))).normalize_or(Vec3::from(n)).to_array()
-                }
+            let at_rest = unit(Vec3::from(rest.normals.as_ref().map_or([0.0; 3], |n| n[first + v])));
+            let turned_by = |n: [f32; 3]| at_rest.map(|rest| (rest - Vec3::from(n)).abs().max_element());
+            let given = after.normals.map(|n| n[first + v]).filter(|n| turned_by(*n).is_none_or(|by| by > least(v)));
+            let back = |n| if as_it_is { n } else { to_f32((linear.transpose() * wide(n)).normalize_or_zero()) };
+            let new = given.map(back);
+            let turned = |by| {
+                let n = new.unwrap_or(n);
+                Vec3::from(sum(n, by)).normalize_or(Vec3::from(n)).to_array()
             };
-            let changed = |v: usize| is_new(v) || turned(v) != [0.0; 3] || flagged(&surface.new_normals, v);
-            Written {
-                values: normals.iter().enumerate().map(normal).collect(),
-                changed: (0..own.len()).map(changed).collect(),
-            }
-        });
+            added(|s| &s.normals, v).map(turned).or(new).or(flagged(&surface.new_normals, v).then_some(n))
+        };
+        let normals = surface.data.normals.as_ref().map(|normals| Written::of(normals, normal));
 
-        let tangents = surface.data.tangents.as_ref().map(|tangents| {
-            let given = after.tangents.map(|t| &t[own.clone()]);
-            let at_rest = |v: usize| rest.tangents.as_ref().map(|t| t[own.start + v]);
+        let tangent = |v: usize, t: [f32; 4]| {
             let turned_by = |a: [f32; 4], b: [f32; 4]| (Vec4::from(a) - Vec4::from(b)).abs().max_element();
-            let is_new =
-                |v: usize| given.is_some_and(|t| at_rest(v).is_none_or(|rest| turned_by(rest, t[v]) > least(v)));
-            let mirrored = linear.determinant() < 0.0;
-            let tangent = |(v, t): (usize, &[f32; 4])| match given.filter(|_| is_new(v)).map(|t| t[v]) {
-                Some(given) if as_it_is => given,
-                Some([x, y, z, w]) => {
-                    let [x, y, z] = to_f32((back * DVec3::from([x, y, z].map(f64::from))).normalize_or_zero());
-                    [x, y, z, if mirrored { -w } else { w }]
+            let at_rest = rest.tangents.as_ref().map(|t| t[first + v]);
+            let is_new = |t: &[f32; 4]| at_rest.is_none_or(|rest| turned_by(rest, *t) > least(v));
+            let back = |given: [f32; 4]| {
+                let [x, y, z, w] = given;
+                if as_it_is {
+                    return given;
                 }
-                None => *t,
+                let [x, y, z] = to_f32((back * wide([x, y, z])).normalize_or_zero());
+                [x, y, z, if linear.determinant() < 0.0 { -w } else { w }]
             };
-            Written {
-                values: tangents.iter().enumerate().map(tangent).collect(),
-                changed: (0..own.len()).map(|v| is_new(v) || flagged(&surface.new_tangents, v)).collect(),
-            }
-        });
+            let new = after.tangents.map(|t| t[first + v]).filter(is_new).map(back);
+            new.or(flagged(&surface.new_tangents, v).then_some(t))
+        };
+        let tangents = surface.data.tangents.as_ref().map(|tangents| Written::of(tangents, tangent));
         Changes { positions, normals, tangents }
     }
 
