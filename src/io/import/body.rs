@@ -1,17 +1,16 @@
 //! The body that is read from a glTF: one mesh in its own space, or the meshes of nodes joined in the scene's.
 
 use super::document::Document;
-use super::extras::{self, Impact};
+use super::extras;
 use super::join::{self, Group};
 use super::nodes::Nodes;
-use super::piece::{Body, Piece};
+use super::piece::{Body, Piece, Target};
 use super::primitives::{deltas, primitives, target_count};
 use super::reading::{Marks, MeshChoice, Patterns, Reading};
 use super::surface::Surface;
 use super::words::{cut, listed, some};
 use super::{Imported, PartKind, malformed, notes, uri};
 use crate::base::error::Error;
-use crate::example::data::{Deltas, ExampleData};
 use crate::mesh::data::MeshData;
 use crate::mesh::keep_out::Solid;
 use glam::{DMat3, DMat4, DVec3, Mat4, Vec3};
@@ -127,7 +126,7 @@ impl<'d> Source<'_, 'd, '_> {
             }
             let mut own = Vec::new();
             match self.piece(mesh, None, &mut own) {
-                Ok(piece) if piece.examples.iter().any(moves) => {
+                Ok(piece) if piece.targets.iter().any(|target| !target.moved.is_empty()) => {
                     if let Some((mesh, error)) = broken {
                         notes.push(format!("{} was passed over: {error}", self.doc.mesh_label(mesh)));
                     }
@@ -320,24 +319,17 @@ impl<'d> Source<'_, 'd, '_> {
         let surface = Surface::read(doc, &primitives, notes)?;
         let count = surface.data.positions.len();
         let impacts = extras::impacts(value, &names, count)?;
-        let mut examples = Vec::with_capacity(dents.len());
+        let mut read = Vec::with_capacity(dents.len());
         let mut broken = 0;
         for target in &dents {
-            let Impact { contact, normal: contact_normal, blow } = impacts[*target];
             let deltas = deltas(doc, &primitives, *target)?;
-            let sparse = |pairs: Vec<(u32, [f32; 3])>| {
-                let (indices, values) = pairs.into_iter().unzip();
-                Deltas::Sparse { indices, values }
-            };
             let lacks_normals = deltas.lacks_normals || deltas.broken_normals || deltas.normals.is_empty();
             broken += usize::from(deltas.broken_normals);
-            examples.push(ExampleData {
+            read.push(Target {
                 name: names[*target].clone(),
-                positions: sparse(deltas.positions),
-                normals: (!lacks_normals).then(|| sparse(deltas.normals)),
-                contact,
-                contact_normal,
-                blow,
+                moved: deltas.positions,
+                turned: (!lacks_normals).then_some(deltas.normals),
+                impact: impacts[*target],
             });
         }
         if broken > 0 {
@@ -379,7 +371,7 @@ impl<'d> Source<'_, 'd, '_> {
             names,
             to_body,
             first_vertex: 0,
-            examples,
+            targets: read,
         })
     }
 
@@ -399,10 +391,6 @@ impl<'d> Source<'_, 'd, '_> {
         }
         format!("the file's meshes with morph targets are {}", meshes(self.doc, some))
     }
-}
-
-fn moves(example: &ExampleData) -> bool {
-    matches!(&example.positions, Deltas::Sparse { indices, .. } if !indices.is_empty())
 }
 
 /// Some of many meshes for a message.

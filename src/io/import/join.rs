@@ -1,8 +1,9 @@
 //! Joins pieces to one body, with its parts, and their targets to examples: those of one name are one dent, unless they lie apart.
 
 use super::document::Document;
+use super::extras::Impact;
 use super::nodes::Nodes;
-use super::piece::{Body, Piece};
+use super::piece::{Body, Piece, Target};
 use super::surface::{perpendicular, smooth};
 use super::words::cut;
 use super::{Imported, Part, PartKind, unsupported, whole};
@@ -58,8 +59,8 @@ pub(super) fn joined<'d>(
                 }
                 primitives.push(range);
             }
-            let examples = piece.placed_examples(mesh.normals.as_deref()).into_iter();
-            moved.extend(examples.map(|example| Moved::of(example, &mesh, next.0, pieces.len())));
+            let targets = piece.placed_targets(mesh.normals.as_deref()).into_iter();
+            moved.extend(targets.map(|target| Moved::of(target, &mesh, next.0, pieces.len())));
             next = (next.0 + mesh.positions.len(), next.1 + mesh.triangles.len());
             meshes.push(mesh);
             pieces.push(piece);
@@ -205,9 +206,9 @@ const ONE_DENT: f32 = 0.5;
 /// How many targets of one name are compared with each, so that thousands take no longer than in proportion.
 const TARGETS_COMPARED: usize = 256;
 
-/// A target of a piece, as indices of the body's vertices.
+/// A target of a piece, by indices of the body's vertices.
 struct Moved {
-    example: ExampleData,
+    target: Target,
     /// Of the vertices that it moves, before they move.
     bounds: Aabb,
     piece: usize,
@@ -215,24 +216,14 @@ struct Moved {
 
 impl Moved {
     /// The target of a piece whose placed mesh begins at vertex `first` of the body.
-    fn of(mut example: ExampleData, mesh: &MeshData, first: usize, piece: usize) -> Self {
+    fn of(mut target: Target, mesh: &MeshData, first: usize, piece: usize) -> Self {
         let mut bounds = Aabb::EMPTY;
-        if let Deltas::Sparse { indices, .. } = &example.positions {
-            indices.iter().for_each(|v| bounds.add(Vec3::from(mesh.positions[*v as usize])));
-        }
-        if let Some(Contact::Vertex(v)) = &mut example.contact {
+        target.moved.iter().for_each(|(v, _)| bounds.add(Vec3::from(mesh.positions[*v as usize])));
+        if let Some(Contact::Vertex(v)) = &mut target.impact.contact {
             *v += first as u32;
         }
-        for deltas in [Some(&mut example.positions), example.normals.as_mut()].into_iter().flatten() {
-            if let Deltas::Sparse { indices, .. } = deltas {
-                indices.iter_mut().for_each(|v| *v += first as u32);
-            }
-        }
-        Moved { example, bounds, piece }
-    }
-
-    fn is_still(&self) -> bool {
-        self.bounds.min.x > self.bounds.max.x
+        target.moved.iter_mut().chain(target.turned.iter_mut().flatten()).for_each(|(v, _)| *v += first as u32);
+        Moved { target, bounds, piece }
     }
 
     /// Whether it and a target of the same name on another piece are one dent.
@@ -247,10 +238,10 @@ impl Moved {
 fn examples(moved: Vec<Moved>, names: &[&str], joined: bool, notes: &mut Vec<String>) -> Vec<ExampleData> {
     let mut keys: HashMap<(usize, &str), usize> = HashMap::new();
     let mut same: IndexMap<(&str, usize), Vec<usize>> = IndexMap::new();
-    for (i, target) in moved.iter().enumerate() {
+    for (i, Moved { target, piece, .. }) in moved.iter().enumerate() {
         // A piece may have several targets of one name. The first of each piece belong together, the second of each, and so on.
-        let nth = keys.entry((target.piece, &target.example.name)).and_modify(|n| *n += 1).or_insert(0);
-        same.entry((&target.example.name, *nth)).or_default().push(i);
+        let nth = keys.entry((*piece, &target.name)).and_modify(|n| *n += 1).or_insert(0);
+        same.entry((&target.name, *nth)).or_default().push(i);
     }
     let mut apart = Vec::new();
     let dents: Vec<Vec<Vec<usize>>> = same.values().map(|targets| dents(&moved, targets, joined)).collect();
@@ -261,7 +252,7 @@ fn examples(moved: Vec<Moved>, names: &[&str], joined: bool, notes: &mut Vec<Str
         for (nth, dent) in dents.into_iter().enumerate() {
             let targets: Vec<Moved> = dent.into_iter().filter_map(|i| moved[i].take()).collect();
             let part = targets.first().map_or("", |target| names[target.piece]);
-            let mut example = merged(targets.into_iter().map(|target| target.example));
+            let mut example = merged(targets.into_iter().map(|moved| moved.target));
             if several {
                 if nth == 0 {
                     apart.push((example.name.clone(), part.to_owned()));
@@ -285,7 +276,7 @@ fn examples(moved: Vec<Moved>, names: &[&str], joined: bool, notes: &mut Vec<Str
 
 /// Targets of one name, by the dents that they are.
 fn dents(moved: &[Moved], targets: &[usize], joined: bool) -> Vec<Vec<usize>> {
-    let moving: Vec<usize> = targets.iter().copied().filter(|i| !moved[*i].is_still()).collect();
+    let moving: Vec<usize> = targets.iter().copied().filter(|i| !moved[*i].target.moved.is_empty()).collect();
     if moving.len() < 2 || joined {
         return vec![if moving.is_empty() { targets[..1].to_vec() } else { moving }];
     }
@@ -313,28 +304,23 @@ fn dents(moved: &[Moved], targets: &[usize], joined: bool) -> Vec<Vec<usize>> {
 }
 
 /// One example of targets on different pieces, in the order of the pieces. If several have a contact, the first counts.
-fn merged(targets: impl Iterator<Item = ExampleData>) -> ExampleData {
-    let join = |a: &mut Deltas, b: Deltas| {
-        if let (Deltas::Sparse { indices, values }, Deltas::Sparse { indices: more, values: moved }) = (a, b) {
-            indices.extend(more);
-            values.extend(moved);
-        }
-    };
-    let mut out: Option<ExampleData> = None;
+fn merged(mut targets: impl Iterator<Item = Target>) -> ExampleData {
+    let mut all = targets.next().unwrap_or_default();
     for target in targets {
-        let Some(known) = &mut out else {
-            out = Some(target);
-            continue;
-        };
-        join(&mut known.positions, target.positions);
-        match (&mut known.normals, target.normals) {
-            (Some(normals), Some(more)) => join(normals, more),
-            _ => known.normals = None,
-        }
-        if known.contact.is_none() {
-            (known.contact, known.contact_normal) = (target.contact, target.contact_normal);
-            known.blow = target.blow;
+        all.moved.extend(target.moved);
+        all.turned = all.turned.zip(target.turned).map(|(mut turned, more)| {
+            turned.extend(more);
+            turned
+        });
+        if all.impact.contact.is_none() {
+            all.impact = target.impact;
         }
     }
-    out.unwrap_or_else(|| ExampleData::new("", Deltas::Sparse { indices: Vec::new(), values: Vec::new() }))
+    let sparse = |list: Vec<(u32, [f32; 3])>| {
+        let (indices, values) = list.into_iter().unzip();
+        Deltas::Sparse { indices, values }
+    };
+    let Impact { contact, normal: contact_normal, blow } = all.impact;
+    let (positions, normals) = (sparse(all.moved), all.turned.map(sparse));
+    ExampleData { name: all.name, positions, normals, contact, contact_normal, blow }
 }

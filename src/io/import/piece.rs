@@ -1,12 +1,13 @@
 //! The pieces of a body: meshes of the file, and how they lie in the body.
 
 use super::document::Document;
+use super::extras::Impact;
 use super::primitives::{Primitive, deltas};
 use super::surface::Surface;
 use super::{Imported, PartKind};
 use crate::base::error::Error;
 use crate::base::math::to_f32;
-use crate::example::data::{Contact, Deltas, ExampleData};
+use crate::example::data::Contact;
 use crate::mesh::data::MeshData;
 use glam::{DMat3, DMat4, DVec3};
 
@@ -37,7 +38,16 @@ pub(crate) struct Piece<'d> {
     /// What the node does when it is hit, and each primitive.
     pub(super) kind: PartKind,
     pub(super) kinds: Vec<PartKind>,
-    pub(super) examples: Vec<ExampleData>,
+    pub(super) targets: Vec<Target>,
+}
+
+/// A target that is a dent, as it is read: displacements and changes of normals of vertices, by their indices.
+#[derive(Default)]
+pub(super) struct Target {
+    pub name: String,
+    pub moved: Vec<(u32, [f32; 3])>,
+    pub turned: Option<Vec<(u32, [f32; 3])>>,
+    pub impact: Impact,
 }
 
 /// What is added to vertices, in the mesh's own space and the file's unit.
@@ -82,34 +92,30 @@ impl Piece<'_> {
         Ok(Some(out))
     }
 
-    /// Its examples in the body's space, where its normals are `placed`.
-    pub(super) fn placed_examples(&mut self, placed: Option<&[[f32; 3]]>) -> Vec<ExampleData> {
-        let linear = DMat3::from_mat4(self.to_body);
-        let mut examples = std::mem::take(&mut self.examples);
+    /// Its targets in the body's space, where its normals are `placed`.
+    pub(super) fn placed_targets(&mut self, placed: Option<&[[f32; 3]]>) -> Vec<Target> {
+        let mut targets = std::mem::take(&mut self.targets);
         if self.to_body == DMat4::IDENTITY {
-            return examples;
+            return targets;
         }
-        for example in &mut examples {
-            if let Deltas::Sparse { values, .. } = &mut example.positions {
-                values.iter_mut().for_each(|v| *v = to_f32(linear * DVec3::from(v.map(f64::from))));
-            }
-            if let (Some(Deltas::Sparse { indices, values }), Some(placed), Some(own)) =
-                (&mut example.normals, placed, &self.surface.data.normals)
-            {
-                let turned = linear.inverse().transpose();
-                for (v, change) in indices.iter().zip(values) {
+        let linear = DMat3::from_mat4(self.to_body);
+        let normals = linear.inverse().transpose();
+        for Target { moved, turned, impact, .. } in &mut targets {
+            moved.iter_mut().for_each(|(_, v)| *v = to_f32(linear * DVec3::from(v.map(f64::from))));
+            if let (Some(placed), Some(own)) = (placed, &self.surface.data.normals) {
+                for (v, change) in turned.iter_mut().flatten() {
                     let (own, placed) = (own[*v as usize], placed[*v as usize]);
-                    let after = unit_mapped(turned, std::array::from_fn(|k| own[k] + change[k]));
+                    let after = unit_mapped(normals, std::array::from_fn(|k| own[k] + change[k]));
                     *change = std::array::from_fn(|k| after[k] - placed[k]);
                 }
             }
-            if let Some(Contact::Point(p)) = &mut example.contact {
+            if let Some(Contact::Point(p)) = &mut impact.contact {
                 *p = to_f32(self.to_body.transform_point3(DVec3::from(p.map(f64::from))));
             }
-            example.contact_normal = example.contact_normal.map(|n| unit_mapped(linear.inverse().transpose(), n));
-            example.blow = example.blow.transformed(linear);
+            impact.normal = impact.normal.map(|n| unit_mapped(normals, n));
+            impact.blow = impact.blow.transformed(linear);
         }
-        examples
+        targets
     }
 }
 
