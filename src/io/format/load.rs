@@ -96,24 +96,16 @@ pub(super) fn set(bytes: &FileBytes, tasks: &dyn TaskSystem) -> Result<ExampleSe
 
 /// How mesh `k` follows nodes.
 fn rows(file: &File<'_>, k: u32, mesh: &Mesh, nodes: &MeshLod) -> Result<Rows, Error> {
-    let vertices = mesh.positions().len();
-    let tiles = vertices.div_ceil(TILE);
-    let units = if mesh.normals().is_some() { TILE * tiles } else { 0 };
+    let nodes_of_tiles: Array<u32> = file.array(Id::TileNodes, k)?;
+    let (tiles, weights) = (mesh.positions().len().div_ceil(TILE), TILE * nodes_of_tiles.len());
+    let (slopes, units) = if mesh.normals().is_some() { (2 * weights, TILE * tiles) } else { (0, 0) };
     let rows = Rows {
         tiles: file.array_of(Id::Tiles, k, tiles)?,
-        nodes: file.array(Id::TileNodes, k)?,
-        weights: file.array(Id::Weights, k)?,
-        slopes: file.array(Id::Slopes, k)?,
+        nodes: nodes_of_tiles,
+        weights: file.array_of(Id::Weights, k, weights)?,
+        slopes: file.array_of(Id::Slopes, k, slopes)?,
         slope_units: file.array_of(Id::SlopeUnits, k, units)?,
     };
-    let weights = TILE * rows.nodes.len();
-    if rows.weights.len() != weights {
-        return Err(length_of(Id::Weights, rows.weights.len(), weights));
-    }
-    let slopes = if mesh.normals().is_some() { 2 * weights } else { 0 };
-    if rows.slopes.len() != slopes {
-        return Err(length_of(Id::Slopes, rows.slopes.len(), slopes));
-    }
     check::rows(&rows, mesh.weld(), nodes.vertex_count())?;
     Ok(rows)
 }
@@ -176,25 +168,17 @@ fn mesh_lod(file: &File<'_>, k: u32, examples: usize, steps: Steps) -> Result<Me
     if n == 0 || record.vertices == u32::MAX {
         return Err(wrong("the number of vertices", n, "1 to 4294967294"));
     }
-    let positions: Array<Vec3> = file.array_of(Id::Positions, k, n)?;
-    let normals: Array<Vec3> = file.array(Id::Normals, k)?;
-    let contact_normals: Array<Vec3> = file.array_of(Id::ContactNormals, k, normals.len())?;
-    let tangents: Array<[f32; 4]> = file.array(Id::Tangents, k)?;
-    for (id, len) in [(Id::Normals, normals.len()), (Id::Tangents, tangents.len())] {
-        if len != 0 && len != n {
-            return Err(length_of(id, len, n));
-        }
-    }
-    // The same bytes as vectors with a larger alignment; sections are aligned to 64, a multiple of it.
-    let tangents = file.array::<glam::Vec4>(Id::Tangents, k)?;
-    let some = |a: Array<Vec3>| (!a.is_empty()).then_some(a);
+    let positions = file.array_of(Id::Positions, k, n)?;
+    let normals: Option<Array<Vec3>> = file.some_of(Id::Normals, k, n)?;
+    let contacts = if normals.is_some() { n } else { 0 };
+    let contact_normals: Array<Vec3> = file.array_of(Id::ContactNormals, k, contacts)?;
     let arrays = MeshArrays {
         positions,
-        normals: some(normals),
-        tangents: (!tangents.is_empty()).then_some(tangents),
+        tangents: file.some_of(Id::Tangents, k, n)?,
         triangles: file.array(Id::Triangles, k)?,
         weld: file.array_of(Id::Weld, k, n)?,
-        contact_normals: some(contact_normals),
+        contact_normals: normals.is_some().then_some(contact_normals),
+        normals,
     };
     let limits =
         Limits::of(limits(file, (Id::DepthLimits, k), (n, f32::INFINITY))?, limits(file, (Id::Gives, k), (n, 1.0))?);
@@ -209,10 +193,7 @@ fn mesh_lod(file: &File<'_>, k: u32, examples: usize, steps: Steps) -> Result<Me
 
 /// The numbers of a mesh with `n` vertices, each 0 to `most`.
 fn limits(file: &File<'_>, (id, k): (Id, u32), (n, most): (usize, f32)) -> Result<Array<Halves>, Error> {
-    let all: Array<Halves> = file.array(id, k)?;
-    if !all.is_empty() && all.len() != n.div_ceil(BLOCK) {
-        return Err(length_of(id, all.len(), n.div_ceil(BLOCK)));
-    }
+    let all: Array<Halves> = file.some_of(id, k, n.div_ceil(BLOCK))?.unwrap_or_default();
     // Of numbers that are not negative, the bits sort as the numbers do.
     match all.as_flattened().iter().find(|h| **h > half(most)) {
         Some(h) => Err(wrong(format!("a number of section {}", id.name()), whole(*h), format!("0 to {most}"))),

@@ -140,6 +140,12 @@ impl<'a> File<'a> {
         if array.len() == count { Ok(array) } else { Err(length_of(id, array.len(), count)) }
     }
 
+    /// The same for a section that may be absent.
+    pub(super) fn some_of<T: Pod>(&self, id: Id, mesh: u32, count: usize) -> Result<Option<Array<T>>, Error> {
+        let array: Array<T> = self.array(id, mesh)?;
+        if array.is_empty() { Ok(None) } else { self.array_of(id, mesh, count).map(Some) }
+    }
+
     /// The elements in a range of a section.
     pub(super) fn part<T: Pod>(&self, range: Range<usize>, id: Id) -> Result<Array<T>, Error> {
         if range.is_empty() {
