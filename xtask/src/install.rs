@@ -48,7 +48,7 @@ impl Built {
         Self { target, flavour, shared, static_library, command, handed_out: profile == "dist" }
     }
 
-    /// The release library in a folder that [`run`] filled, and the tests' command. Another build may have taken the library's place in
+    /// The release library in a folder that [`run()`] filled, and the tests' command. Another build may have taken the library's place in
     /// Cargo's folder.
     pub fn tested() -> Result<Self> {
         let (target, prefix) = (Target::host()?, native::release_prefix()?);
