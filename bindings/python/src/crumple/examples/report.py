@@ -97,7 +97,11 @@ def curve(path: Path, points: Sequence[tuple[int, float, float]]) -> None:
     axes.plot(n, worst, "o:", label="one in ten is above", color="0.6")
     axes.axhline(1, color="0.8", zorder=0)
     axes.set(xlabel="examples", ylabel="error (no dent is 1)", ylim=(0, min(2.0, 1.05 * max(worst.max(), 1.0))), xscale="log")
-    ticks = [int(one) for one in n[:: max(1, len(n) // 6)]]
+    # From the last one back, those that have room.
+    ticks = [int(n[-1])]
+    for one in n[-2::-1]:
+        if np.log(ticks[-1] / one) > 0.12 * np.log(n[-1] / n[0]):
+            ticks.append(int(one))
     axes.set_xticks(ticks, [str(one) for one in ticks], minor=False)
     axes.minorticks_off()
     axes.legend(frameon=False)
