@@ -49,8 +49,8 @@ class CRUMPLE_OT_make_examples(MeshOperator, bpy.types.Operator):
         name="Quality", default="good",
         items=[
             ("draft", "Draft", "24 hits, about a minute"),
-            ("good", "Good", "Up to 300 hits, half an hour"),
-            ("best", "Best", "Up to 1000 hits on a finer shell, overnight"),
+            ("good", "Good", "Up to 300 hits, some minutes"),
+            ("best", "Best", "Up to 1000 hits on a finer shell, hours"),
         ],
     )  # fmt: skip
     count: IntProperty(name="Count", min=0, max=2000, description=f"Most examples. 0: as the quality says; {ROUND} round dents")

@@ -444,6 +444,19 @@ def test_many_examples_are_written_with_half_the_bytes(tmp_path):
     # Nodes and files are wrong by less than a hundredth of the deepest example, 0.03 m.
     assert np.abs(fields[few] - fields[many]).max() < 4e-4
     assert "profile 50" in command("info", tmp_path / f"{many}.glb").stdout
+    # A contact that moves by a step of these numbers still moves. By a third of it, it would not, and the library refuses such an example.
+    slight = profile.make(body, many, (0.01, 0.03))
+    for share, loads in ((1.0, True), (1 / 3, False)):
+        for made in slight:
+            made.field[np.linalg.norm(body.points - made.point, axis=1).argmin()] = share * body.step * made.normal
+        body.write(out, slight, {})
+        with crumple.Context(threads=1) as context:
+            try:
+                context.load(out)
+            except crumple.CrumpleError as error:
+                assert not loads and "does not move its own contact" in str(error)
+            else:
+                assert loads
 
 
 def test_interrupted_runs_keep_every_finished_hit(tmp_path):

@@ -102,6 +102,8 @@ class Body:
         used = self.points[np.unique(self.triangles)]
         self.size = float(np.linalg.norm(used.max(0) - used.min(0)))
         """Diagonal of the bounds, m."""
+        self.step = min(self.scale / SHORT, INVISIBLE * self.size)
+        """Written displacements are multiples of this, or exact, m."""
 
     def place(self, point: Floats) -> str:
         """A point of `points` in the file's own space and units, for messages."""
@@ -139,7 +141,7 @@ class Body:
         turned = _point_normals(self.points, self.triangles)
         for primitive, _ in self._parts:
             primitive.targets = []
-        exact = len(examples) < MANY or self.scale / SHORT > INVISIBLE * self.size
+        exact = len(examples) < MANY or self.scale / SHORT > self.step
         for made in examples:
             local = (made.field @ back.T).astype(np.float32)
             turn = _rotations(turned, _point_normals(self.points + made.field, self.triangles))

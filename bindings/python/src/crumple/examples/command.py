@@ -62,7 +62,7 @@ def _parser() -> argparse.ArgumentParser:
         "--quality",
         choices=tuple(QUALITIES),
         default="good",
-        help="draft: 24 hits, about a minute; good (default): up to 300, half an hour; best: up to 1000 on a finer shell, overnight",
+        help="draft: 24 hits, about a minute; good (default): up to 300, some minutes; best: up to 1000 on a finer shell, hours",
     )
     add("--count", type=_between(int, 1, 2000), help="most examples; default: what --quality says")
     add("--until-error", type=_positive, metavar="E", help="stop earlier, when the expected error of a hit is this (0.4)")
@@ -291,8 +291,8 @@ def _simulated(
         field = carrier.field(made.field)
         field[still] = 0
         field = run.quiet(field, run.least(body.size))
-        # The library wants an example to move the vertex that was hit.
-        if field[np.linalg.norm(body.points - made.point, axis=1).argmin()].any():
+        # The library wants an example to move the vertex that was hit, also once the file has rounded it.
+        if np.abs(field[np.linalg.norm(body.points - made.point, axis=1).argmin()]).max() >= body.step:
             carried.append(replace(made, field=field))
     if not carried:
         raise Failure("no blow left a dent on the mesh's own vertices; subdivide it, or choose a larger --depth")
