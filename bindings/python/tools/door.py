@@ -20,8 +20,8 @@ from pathlib import Path
 import numpy as np
 
 import crumple
-from crumple.examples import command, inner, run, shell
-from crumple.examples.body import Body
+from crumple.examples import command, inner, judge, run, shell
+from crumple.examples.body import Body, Made
 from crumple.examples.flight import Blow
 from crumple.examples.materials import MATERIALS, Material
 from crumple.examples.solver import Solver
@@ -42,16 +42,16 @@ def main() -> None:
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
     door, made = options.out / "door.glb", options.out / "examples.glb"
-    base, play = np.load(TRUTH / "base.npz"), np.load(TRUTH / "play.npz")
+    base, hits = np.load(TRUTH / "base.npz"), dents(np.load(TRUTH / "play.npz"))
     written(base, door)
     beams = ["capsule:" + ",".join(f"{number:.9g}" for number in one) for one in base["frame"]]
     arguments = f"--material door --thickness 3 --hold marked --tilt 50 --depth 3 40 --go-on --jobs {options.jobs} --inner".split() + beams
-    own = shell_errors(Body(door), beams, play)
+    own = shell_errors(Body(door), beams, hits)
     print(f"the shell itself, {len(own)} hits: {np.median(own):.3f} / {np.quantile(own, 0.9):.3f}", flush=True)
     for count in sorted(options.count):
         if command.main([str(door), "-o", str(made), "--count", str(count), *arguments]):
             sys.exit(1)
-        blow, moved = errors(made, base["vertices"], play)
+        blow, moved = errors(made, base["vertices"], hits)
         print(
             f"{count} examples, {len(blow)} hits: told the blow {np.median(blow):.3f} / {np.quantile(blow, 0.9):.3f}, "
             f"told the displacement {np.median(moved):.3f} / {np.quantile(moved, 0.9):.3f}",
@@ -68,45 +68,41 @@ def written(base: np.lib.npyio.NpzFile, path: Path) -> None:
     bodies.write(path, [(base["vertices"], base["triangles"])], name="door", colours=colours)
 
 
-def dents(play: np.lib.npyio.NpzFile) -> list[tuple[int, np.ndarray]]:
-    """The numbers and fields of the hits that leave a dent."""
-    fields = play["fields"] * float(play["step"])
-    return [(i, field) for i, field in enumerate(fields) if np.linalg.norm(field[play["contact_vertex"][i]]) >= LEAST]
+def dents(play: np.lib.npyio.NpzFile) -> list[tuple[Made, Blow]]:
+    """The hits that leave a dent, and how they are thrown."""
+    found = []
+    for i, field in enumerate(play["fields"] * float(play["step"])):
+        if np.linalg.norm(field[play["contact_vertex"][i]]) < LEAST:
+            continue
+        point, normal, direction, velocity = (
+            play[name][i].astype(float) for name in ("contact_point", "contact_normal", "direction", "velocity")
+        )
+        speed, mass, radius = (float(play[name][i]) for name in ("speed", "mass", "radius"))
+        made = Made(f"play {i}", field, point, normal, mass=mass, radius=radius, velocity=velocity)
+        found.append((made, Blow(point, normal, direction, speed, mass, radius, "ball", 0.0)))
+    return found
 
 
-def shell_errors(body: Body, beams: list[str], play: np.lib.npyio.NpzFile) -> list[float]:
+def shell_errors(body: Body, beams: list[str], hits: list[tuple[Made, Blow]]) -> list[float]:
     """Of the same hits on the shell that the command makes."""
     material = MATERIALS["door"]
     solid = shell.make(body, command._points(body, command._parser().parse_args([str(body.path)])), "marked")
     solid = run.among(solid, inner.read(beams, body, 1.0), material, material.thickness)
     solver, carrier, found = Solver(solid, material, material.thickness), shell.Carrier(solid, body.points), []
-    for i, truth in dents(play):
-        point, normal, direction = (play[name][i].astype(float) for name in ("contact_point", "contact_normal", "direction"))
-        blow = Blow(point, normal, direction, float(play["speed"][i]), float(play["mass"][i]), float(play["radius"][i]), "ball", 0.0)
+    for made, blow in hits:
         field = solver.strike(blow).field
-        found.append(1.0 if field is None else relative(carrier.field(field)[body.of_vertex], truth))
+        found.append(1.0 if field is None else judge.error(made, carrier.field(field)[body.of_vertex]))
     return found
 
 
-def errors(made: Path, rest: np.ndarray, play: np.lib.npyio.NpzFile) -> tuple[list[float], list[float]]:
-    """Of the hits that leave a dent: told the blow, and told where the contact went."""
-    blow, moved = [], []
+def errors(examples: Path, rest: np.ndarray, hits: list[tuple[Made, Blow]]) -> tuple[list[float], list[float]]:
+    """Told the blow, and told where the contact went."""
     with crumple.Context(threads=1) as context:
-        body = context.load(made).instance()
-        for i, truth in dents(play):
-            contact = truth[play["contact_vertex"][i]]
-            striker = crumple.Striker(float(play["mass"][i]), float(play["radius"][i]), play["velocity"][i])
-            body.reset()
-            body.hit(play["contact_point"][i], striker=striker, normal=play["contact_normal"][i])
-            blow.append(relative(body.deformed().positions - rest, truth))
-            body.reset()
-            body.hit_displacement(rest[play["contact_vertex"][i]], contact)
-            moved.append(relative(body.deformed().positions - rest, truth))
+        body = context.load(examples).instance()
+        blow = [judge.error(made, judge.by_blow(body, made)) for made, _ in hits]
+        contacts = [made.field[np.linalg.norm(rest - made.point, axis=1).argmin()] for made, _ in hits]
+        moved = [judge.error(made, judge.by_displacement(body, made, to)) for (made, _), to in zip(hits, contacts, strict=True)]
     return blow, moved
-
-
-def relative(field: np.ndarray, truth: np.ndarray) -> float:
-    return float(np.linalg.norm(field - truth) / np.linalg.norm(truth))
 
 
 if __name__ == "__main__":
