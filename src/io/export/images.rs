@@ -1,6 +1,7 @@
 //! Embeds images of separate files. An image that cannot be embedded keeps its uri: it never stops a dent.
 
 use super::vertices::Rewrite;
+use crate::base::error::Error;
 use crate::io::import::document::Document;
 use crate::io::import::uri::{self, UriTarget};
 use crate::io::import::words::cut;
@@ -45,7 +46,7 @@ fn read(doc: &Document<'_>, i: usize, uri: &str) -> Result<(String, Vec<u8>, &'s
     };
     let bytes = match doc.read_relative(&path, &what) {
         Ok(bytes) => bytes,
-        Err(crate::Error::Io { message, .. }) => return Err(format!("cannot be read ({message})")),
+        Err(Error::Io { message, .. }) => return Err(format!("cannot be read ({message})")),
         Err(error) => return Err(format!("cannot be read ({error})")),
     };
     let mime = media_type(&bytes, &path);
