@@ -54,7 +54,7 @@ pub fn stage() -> Result<()> {
     }
     let files =
         ["car", "car_coarse", "car_body", "car_inner", "car_collider"].map(|name| out.join(format!("{name}.glb")));
-    match exports::validate(&files) {
+    match tools::validate(&files) {
         Err(error) if error.is::<LeftOut>() => bail!(LeftOut::Part(format!("{error:#}"))),
         judged => judged,
     }

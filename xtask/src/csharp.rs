@@ -10,7 +10,7 @@ const TESTS: &str = "tests/csharp";
 const STRICT: &[&str] = &["-langversion:latest", "-unsafe", "-warnaserror", "-debug-"];
 
 pub fn run() -> Result<()> {
-    let (prefix, built) = (native::release_prefix()?, in_target("csharp"));
+    let (prefix, built) = (install::release_prefix()?, in_target("csharp"));
     empty(&built)?;
     compile(&built)?;
     let (table, libraries) = (layouts(&prefix, &built)?, prefix.join("lib"));

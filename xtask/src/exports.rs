@@ -4,7 +4,6 @@
 
 use crate::prelude::*;
 
-const VALIDATOR: &str = "gltf-validator@2.0.0-dev.3.10";
 const SCRIPTS: &str = "tests/exporters";
 const THREE: &str = "three@0.187.0";
 /// Files that have no examples left, or whose geometry is compressed with Draco.
@@ -22,15 +21,7 @@ pub fn opened_by_blender() -> Result<()> {
 
 /// The validator finds no error and no warning in the same files.
 pub fn valid() -> Result<()> {
-    validate(&exported()?)
-}
-
-/// The validator finds no error and no warning in `files`.
-pub fn validate(files: &[PathBuf]) -> Result<()> {
-    let modules = tools::npm(&in_target("validator"), &[VALIDATOR])?;
-    run!("node tests/validate_gltf.js {modules} {files...}")?;
-    println!("the validator finds nothing in {} files", files.len());
-    Ok(())
+    tools::validate(&exported()?)
 }
 
 /// What the exporter's tests write, and a body that the command dented.

@@ -63,6 +63,24 @@ pub fn write(path: impl AsRef<Path>, contents: impl AsRef<[u8]>) -> Result<()> {
     Ok(sh().write_file(path, contents)?)
 }
 
+/// A page has `text` between two passages. With `fix` it gets it.
+pub fn passage(fix: bool, page: &str, [begin, end]: [&str; 2], text: &str) -> Result<()> {
+    let whole = read(page)?;
+    let (before, rest) = whole.split_once(begin).with_context(|| format!("{page} lacks the lines {begin:?}"))?;
+    let (_, after) = rest.split_once(end).with_context(|| format!("{page} lacks the lines {end:?}"))?;
+    renew(fix, page, &whole, &[before, begin, text, end, after].concat())
+}
+
+/// A page is as it should be, or becomes so.
+pub fn renew(fix: bool, page: &str, whole: &str, right: &str) -> Result<()> {
+    if whole != right && fix {
+        return write(page, right);
+    }
+    let line = whole.lines().zip(right.lines()).find(|(one, other)| one != other);
+    ensure!(whole == right, "{page} is out of date: {line:?}; type: cargo xtask repo --fix");
+    Ok(())
+}
+
 pub fn name(path: &Path) -> Result<String> {
     let name = path.file_name().with_context(|| format!("{} has no file name", path.display()))?;
     Ok(name.to_string_lossy().into_owned())

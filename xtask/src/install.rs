@@ -11,6 +11,7 @@
 //! On Windows the shared library is PREFIX/bin/crumple.dll, and programs link PREFIX/lib/crumple.dll.lib.
 
 use crate::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 pub struct Flavour {
     pub name: &'static str,
@@ -51,11 +52,25 @@ impl Built {
     /// The release library in a folder that [`run()`] filled, and the tests' command. Another build may have taken the library's place in
     /// Cargo's folder.
     pub fn tested() -> Result<Self> {
-        let (target, prefix) = (Target::host()?, native::release_prefix()?);
+        let (target, prefix) = (Target::host()?, release_prefix()?);
         let (shared, static_library) = (shared(&target, &prefix), prefix.join("lib").join(target.static_library()));
         let command = Some(command::tested()?);
         Ok(Self { target, flavour: &FULL, shared, static_library, command, handed_out: false })
     }
+}
+
+/// Whether this run has installed the release library already.
+static INSTALLED: AtomicBool = AtomicBool::new(false);
+
+/// Installs the release library of the present sources, once a run, and returns its folder.
+pub fn release_prefix() -> Result<PathBuf> {
+    let prefix = in_target("prefix");
+    if !INSTALLED.load(Relaxed) {
+        empty(&prefix)?;
+        run(&prefix, "release")?;
+        INSTALLED.store(true, Relaxed);
+    }
+    Ok(prefix)
 }
 
 /// Builds the C library. Only the profile "dist" builds with just the flavour's features. A debug build is the one that the tests

@@ -170,7 +170,7 @@ fn throws() -> Result<PathBuf> {
     if !BULLET.here() {
         println!("Bullet is left out: on Debian, apt-get install libbullet-dev pkg-config");
     }
-    let prefix = native::release_prefix()?;
+    let prefix = install::release_prefix()?;
     let source = format!("-DCRUMPLE_JOLT={}", jolt_source()?.display());
     let directory = in_target("throws");
     let build = Build { options: vec![source], ..Build::new("throws", &prefix) };

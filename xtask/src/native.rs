@@ -1,7 +1,6 @@
 //! Tests of the installed C library by C and C++ programs, plain and under gcc's sanitizers.
 
 use crate::prelude::*;
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 /// CMake projects whose programs are tests, each with the name of its build directory.
 pub const OURS: &[(&str, &str)] = &[("examples-c", "examples-c"), ("tests/c", "tests-c")];
@@ -10,23 +9,9 @@ pub const TESTS: &[(&str, &str)] = &[OURS[1]];
 /// All projects: ours and Unity's renderer plugin.
 const ALL: &[(&str, &str)] = &[OURS[0], OURS[1], ("bindings/unity/native~", "unity")];
 
-/// Whether this run has installed the release library already.
-static INSTALLED: AtomicBool = AtomicBool::new(false);
-
 pub fn install_release() -> Result<()> {
-    let prefix = release_prefix()?;
+    let prefix = install::release_prefix()?;
     abi::exported(&in_root(INCLUDE), &install::shared(&Target::host()?, &prefix))
-}
-
-/// Installs the release library of the present sources, once a run, and returns its folder.
-pub fn release_prefix() -> Result<PathBuf> {
-    let prefix = in_target("prefix");
-    if !INSTALLED.load(Relaxed) {
-        empty(&prefix)?;
-        install::run(&prefix, "release")?;
-        INSTALLED.store(true, Relaxed);
-    }
-    Ok(prefix)
 }
 
 /// How a set of projects is built and run.
@@ -95,7 +80,7 @@ pub fn compile(build: &Build<'_>, source: &Path, directory: &Path) -> Result<()>
 }
 
 pub fn ctest() -> Result<()> {
-    let prefix = release_prefix()?;
+    let prefix = install::release_prefix()?;
     let projects = if all() { ALL } else { OURS };
     let mut build = Build { projects, ..Build::new("release", &prefix) };
     if VULKAN.here() {

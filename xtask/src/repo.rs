@@ -82,24 +82,6 @@ fn sizes() -> Result<()> {
     Ok(())
 }
 
-/// A page has `text` between two passages. With `fix` it gets it.
-pub fn passage(fix: bool, page: &str, [begin, end]: [&str; 2], text: &str) -> Result<()> {
-    let whole = read(page)?;
-    let (before, rest) = whole.split_once(begin).with_context(|| format!("{page} lacks the lines {begin:?}"))?;
-    let (_, after) = rest.split_once(end).with_context(|| format!("{page} lacks the lines {end:?}"))?;
-    renew(fix, page, &whole, &[before, begin, text, end, after].concat())
-}
-
-/// A page is as it should be, or becomes so.
-fn renew(fix: bool, page: &str, whole: &str, right: &str) -> Result<()> {
-    if whole != right && fix {
-        return write(page, right);
-    }
-    let line = whole.lines().zip(right.lines()).find(|(one, other)| one != other);
-    ensure!(whole == right, "{page} is out of date: {line:?}; type: cargo xtask repo --fix");
-    Ok(())
-}
-
 /// The table of docs/reliability.md names every room with `unsafe` blocks, and their number.
 fn unsafe_blocks(fix: bool) -> Result<()> {
     let mut blocks: BTreeMap<String, usize> = BTreeMap::new();

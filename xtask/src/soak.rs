@@ -23,7 +23,7 @@ pub struct Options {
 }
 
 pub fn run(options: &Options) -> Result<()> {
-    let (prefix, directory) = (native::release_prefix()?, in_target("ctest/release/tests-c"));
+    let (prefix, directory) = (install::release_prefix()?, in_target("ctest/release/tests-c"));
     native::compile(&Build::new("release", &prefix), Path::new("tests/c"), &directory)?;
     if let Some(frames) = options.frames {
         return times(&directory, &frames.to_string());

@@ -7,7 +7,7 @@ const REQUIREMENTS: &str = "xtask/package/requirements.txt";
 /// A program fetches the library's source with CMake, which builds it by Cargo. The same project installs the files that
 /// `cargo xtask install` does, and a program finds them.
 pub fn cmake() -> Result<()> {
-    let (prefix, directory, root) = (native::release_prefix()?, empty(in_target("cmake"))?, root());
+    let (prefix, directory, root) = (install::release_prefix()?, empty(in_target("cmake"))?, root());
     // Cargo finds what the installer built.
     let _flags = sh().push_env("CARGO_ENCODED_RUSTFLAGS", anywhere()?.join("\u{1f}"));
     let target = target_folder();

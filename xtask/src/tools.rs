@@ -32,6 +32,7 @@ macro_rules! tools {
 }
 
 const FOR_RUST: &str = "rustc-web cargo-web rust-web-src";
+const VALIDATOR: &str = "gltf-validator@2.0.0-dev.3.10";
 pub const SWIFTSHADER_LIBRARY: &str = "/usr/lib/chromium/libvk_swiftshader.so";
 
 tools! {
@@ -174,6 +175,14 @@ pub fn npm(directory: &Path, packages: &[&str]) -> Result<PathBuf> {
         })?;
     }
     Ok(modules)
+}
+
+/// The Khronos glTF validator finds no error and no warning in `files`.
+pub fn validate(files: &[PathBuf]) -> Result<()> {
+    let modules = npm(&in_target("validator"), &[VALIDATOR])?;
+    run!("node tests/validate_gltf.js {modules} {files...}")?;
+    println!("the validator finds nothing in {} files", files.len());
+    Ok(())
 }
 
 /// What `apt-get` is called with: nothing as root, or a sudo that needs no password. `None` if there is neither, or no `apt-get`.

@@ -13,7 +13,7 @@ const IN_PART: &[&str] = &["--test=contacts", "--test=oracle_rules", "--test=pap
 const SLOW: &str = "^(vulkan_(faults|times)_|(refusals|allocator_static)$)";
 
 pub fn c() -> Result<()> {
-    let (run, prefix) = (Run::new("c", "definite,possible")?, native::release_prefix()?);
+    let (run, prefix) = (Run::new("c", "definite,possible")?, install::release_prefix()?);
     run.judge(native::test_projects(&Build {
         // Stage "sanitizers" checks the programs of users and plugins: their calls are among those of the tests.
         projects: native::TESTS,

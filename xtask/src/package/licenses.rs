@@ -203,7 +203,7 @@ pub fn check_table(page: &str, fix: bool) -> Result<()> {
         let license = license.replace('/', " OR ");
         table += &format!("| {name} {version} | {slim} | {license} | {home} | {lines} |\n");
     }
-    repo::passage(fix, page, [BEGIN, END], &table)?;
+    passage(fix, page, [BEGIN, END], &table)?;
     println!("{page} lists the {} packages that the library links; each may be shipped", full.len());
     Ok(())
 }
