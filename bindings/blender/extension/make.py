@@ -27,8 +27,8 @@ ROUND = 8
 """Round dents, if the artist gives no number."""
 _ROUND_OPTIONS = ("count", "shallowest", "deepest")
 _SOLVER_OPTIONS = (
-    "quality", "count", "until_error", "go_on", "material", "thickness", "hold", "strikers", "tilt", "shallowest", "deepest", "detail", "jobs",
-    "report_page",
+    "quality", "count", "until_error", "go_on", "material", "thickness", "hold", "strikers", "lightest", "heaviest", "smallest", "largest", "tilt",
+    "shallowest", "deepest", "detail", "jobs", "report_page",
 )  # fmt: skip
 
 
@@ -78,6 +78,10 @@ class CRUMPLE_OT_make_examples(MeshOperator, bpy.types.Operator):
             ("corner", "Corner", "Of a box"),
         ],
     )  # fmt: skip
+    lightest: FloatProperty(name="Lightest", min=0, description="Striker, kg. 0: what dents need at 2 to 10 m/s")
+    heaviest: FloatProperty(name="Heaviest", min=0, description="Striker, kg. 0: what dents need at 2 to 10 m/s")
+    smallest: FloatProperty(name="Smallest", min=0, unit="LENGTH", description="Radius of a striker. 0: a share of the diagonal")
+    largest: FloatProperty(name="Largest", min=0, unit="LENGTH", description="Radius of a striker. 0: a share of the diagonal")
     tilt: FloatProperty(name="Tilt", default=30, min=0, max=60, description="Largest angle between flight and surface normal, degrees")
     shallowest: FloatProperty(name="Shallowest", min=0, unit="LENGTH", description="Of usual dents. 0: a share of the diagonal")
     deepest: FloatProperty(name="Deepest", min=0, unit="LENGTH", description="Of usual dents. 0: a share of the diagonal")
@@ -246,10 +250,15 @@ class CRUMPLE_OT_make_examples(MeshOperator, bpy.types.Operator):
         given["--thickness"] = 1000 * metre * self.thickness
         for name, value in given.items():
             out += [name, f"{value:.7g}"] if value else []
-        if self.shallowest or self.deepest:
-            if not 0 < self.shallowest < self.deepest:
-                raise Trouble("give both depths, the shallowest and the deepest, or neither; they must rise")
-            out += ["--depth", f"{1000 * metre * self.shallowest:.7g}", f"{1000 * metre * self.deepest:.7g}"]
+        for name, what, low, high, unit in (
+            ("--depth", "depths, the shallowest and the deepest", self.shallowest, self.deepest, 1000 * metre),
+            ("--mass", "masses, of the lightest and the heaviest striker", self.lightest, self.heaviest, 1.0),
+            ("--radius", "radii, of the smallest and the largest striker", self.smallest, self.largest, 1000 * metre),
+        ):
+            if low or high:
+                if not 0 < low <= high:
+                    raise Trouble(f"give both {what}, or neither; they must rise")
+                out += [name, f"{unit * low:.7g}", f"{unit * high:.7g}"]
         out += ["--go-on"] if self.go_on else []
         out += [] if self.report_page else ["--no-report"]
         return out + (["--inner", str(inner)] if inner else [])

@@ -431,11 +431,12 @@ def test_the_solver_runs_apart(sheet, tmp_path):
     held.add([0, 1, 2], 1.0, "REPLACE")
     bpy.ops.crumple.make_examples(
         method="SOLVER", count=2, thickness=0.008, material="tin", hold="marked", strikers={"ball", "wall"}, shallowest=0.01, deepest=0.02, jobs=1,
-        quality="draft", until_error=0.3, go_on=True, report_page=False, detail=400,
+        lightest=1.5, heaviest=20, smallest=0.03, largest=0.03, quality="draft", until_error=0.3, go_on=True, report_page=False, detail=400,
     )  # fmt: skip
     asked = (tmp_path / "asked").read_text()
     for option in (
         "--unit 0.1", "--thickness 0.8", "--material tin", "--hold marked", "--strikers ball wall", "--depth 1 2", "--jobs 1", "--quality draft",
+        "--mass 1.5 20", "--radius 3 3",
         "--until-error 0.3", "--go-on", "--no-report", "--detail 400", "--count 2",
     ):  # fmt: skip
         assert option in asked, (option, asked)

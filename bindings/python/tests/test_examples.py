@@ -273,7 +273,7 @@ def planned(tmp_path, **mesh):
         made,
         mirror,
         notes,
-        lambda **more: Plan(made, MATERIALS["steel"], 0.0008, ["ball", "stone"], 30.0, 1, more.get("mirror", mirror)),
+        lambda **more: Plan(made, MATERIALS["steel"], 0.0008, ["ball", "stone"], 30.0, 1, **({"symmetry": mirror} | more)),
     )
 
 
@@ -281,8 +281,8 @@ def test_blows_fill_the_space_of_place_energy_and_size(tmp_path):
     from crumple.examples.plan import POOL, Tried
     from crumple.examples.symmetry import Symmetry
 
-    made, _, _, plan = planned(tmp_path)
-    plan, energies, known, chosen = plan(mirror=Symmetry()), (1.0, 100.0), [], []
+    made, _, _, told = planned(tmp_path)
+    plan, energies, known, chosen = told(symmetry=Symmetry()), (1.0, 100.0), [], []
     assert not made.held[plan.open].any()
     for index in range(40):
         blow = plan.next(index, energies, known)
@@ -292,13 +292,19 @@ def test_blows_fill_the_space_of_place_energy_and_size(tmp_path):
     assert own.min() < np.log(3) and own.max() > np.log(33) and abs(own.mean() - np.log(10)) < 0.7
     assert {one.radius < 0.027 * made.size for one in chosen} == {True, False}
 
+    # Masses and radii that are told are kept, and the energy says the speed.
+    for blow in told(mass=(1.0, 20.0), radius=(0.03, 0.15)).draw(0, 64, energies):
+        assert 1 <= blow.mass <= 20 and 0.03 <= blow.radius <= 0.15 and 0.5 <= blow.speed <= 20
+        own = 0.5 * blow.mass * (blow.speed * (blow.direction @ blow.normal)) ** 2
+        assert 0.99 < own < 101 or blow.speed in (0.5, 20)
+
     # They are less alike than blows that are only drawn.
     def spacing(blows):
         found = np.array([plan.features(one, energies) for one in blows])
         return np.median(np.sort(np.linalg.norm(found[:, None] - found[None], axis=2), axis=1)[:, 1])
 
     assert spacing(chosen) > 1.2 * spacing(plan.draw(64 * POOL, 64, energies)[:40])
-    again = planned(tmp_path)[3](mirror=Symmetry())
+    again = planned(tmp_path)[3](symmetry=Symmetry())
     assert (again.next(0, energies, []).point == chosen[0].point).all()
     # The next one goes where the set knows least.
     right = [Tried(one.features, 2.0 if blow.point[0] > 0 else 0.5) for one, blow in zip(known, chosen, strict=True)]
@@ -517,6 +523,8 @@ def test_messages(tmp_path, capsys):
         ([text], "cannot be read as glTF 2.0"),
         ([panel, "--mesh", "door"], "has no mesh door; it has: body"),
         ([panel, "--depth", "30", "2"], "must rise"),
+        ([panel, "--mass", "20", "1"], "--mass is 20 to 1 kg; it must rise"),
+        ([panel, "--radius", "30", "2000"], "--radius is 30 to 2000 mm; it must rise, up to"),
         ([panel, "-o", panel], "is the input"),
         ([panel, "-o", tmp_path / "out.obj"], "must end in .glb"),
         ([nan], "vertex 5 of body is not finite"),

@@ -3,7 +3,8 @@
     python bindings/python/tools/door.py [--count 24 60 120 300] [--out FOLDER]
 
 The door is the structure's (lab/data/README.md): a skin with a crease and a free edge over a rigid beam and post. The command gets what an artist has:
-the mesh, paint where it is held, the frame as solids inside, the sheet, and how deep dents are to be. Its shell has some 600 points, and the truth's has 2460.
+the mesh, paint where it is held, the frame as solids inside, the sheet, how large and heavy strikers are, and how deep dents are to be. Its shell has
+some 1200 points, and the truth's has 2460.
 The hits are those of play.npz, told as blows: the contact's place and normal, and the striker's mass, velocity and radius; told also as the
 displacement of the contact. The error is the relative L2 norm of the displacement over all vertices; no dent is 1. Hits that leave less than
 2 mm at the contact are left out. First come the hits themselves on the command's shell: no set made on it is nearer to the truth, but by chance.
@@ -30,6 +31,8 @@ REPOSITORY = Path(__file__).resolve().parents[3]
 TRUTH = REPOSITORY / "lab/data/structure/door"
 LEAST = 2e-3
 """m"""
+STRIKERS = "--mass 1 20 --radius 30 150 --tilt 50 --depth 3 40"
+"""What hits the door in play (lab/data/README.md)."""
 # Processes that the command starts read this file, too.
 MATERIALS["door"] = Material(young=2e10, poisson=0.3, density=7800.0, thickness=0.003, yield_stretch=0.0005, yield_bend=0.001)
 
@@ -45,7 +48,7 @@ def main() -> None:
     base, hits = np.load(TRUTH / "base.npz"), dents(np.load(TRUTH / "play.npz"))
     written(base, door)
     beams = ["capsule:" + ",".join(f"{number:.9g}" for number in one) for one in base["frame"]]
-    arguments = f"--material door --thickness 3 --hold marked --tilt 50 --depth 3 40 --go-on --jobs {options.jobs} --inner".split() + beams
+    arguments = [*f"{STRIKERS} --material door --thickness 3 --hold marked --go-on --jobs {options.jobs} --inner".split(), *beams]
     own = shell_errors(Body(door), beams, hits)
     print(f"the shell itself, {len(own)} hits: {np.median(own):.3f} / {np.quantile(own, 0.9):.3f}", flush=True)
     for count in sorted(options.count):
@@ -86,7 +89,7 @@ def dents(play: np.lib.npyio.NpzFile) -> list[tuple[Made, Blow]]:
 def shell_errors(body: Body, beams: list[str], hits: list[tuple[Made, Blow]]) -> list[float]:
     """Of the same hits on the shell that the command makes."""
     material = MATERIALS["door"]
-    solid = shell.make(body, command._points(body, command._parser().parse_args([str(body.path)])), "marked")
+    solid = shell.make(body, command._points(body, command._parser().parse_args([str(body.path), *STRIKERS.split()])), "marked")
     solid = run.among(solid, inner.read(beams, body, 1.0), material, material.thickness)
     solver, carrier, found = Solver(solid, material, material.thickness), shell.Carrier(solid, body.points), []
     for made, blow in hits:

@@ -19,7 +19,7 @@ import crumple
 
 from . import Failure, units
 from .body import Body, Made, face_normals
-from .materials import MATERIALS, STRIKERS
+from .materials import MATERIALS, STRIKERS, radii
 from .units import metres
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ class Quality:
     """Fewest and most of the shell."""
 
 
-QUALITIES = {"draft": Quality(24, 1.5, (300, 450)), "good": Quality(300, 1.0, (450, 800)), "best": Quality(1000, 0.7, (800, 1600))}
+QUALITIES = {"draft": Quality(24, 1.5, (300, 450)), "good": Quality(300, 1.0, (450, 1600)), "best": Quality(1000, 0.7, (800, 3200))}
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -82,6 +82,14 @@ def _parser() -> argparse.ArgumentParser:
         "auto: the marked, else the open edges, else the lowest",
     )
     add("--strikers", nargs="+", choices=sorted(STRIKERS), default=["ball"], help="default ball")
+    add("--mass", nargs=2, type=_positive, metavar=("MIN", "MAX"), help="of the strikers, kg; default: what dents need at 2 to 10 m/s")
+    add(
+        "--radius",
+        nargs=2,
+        type=_millimetres,
+        metavar=("MIN", "MAX"),
+        help="of balls, stones, poles and half the cubes of corners, mm; default: 3 to 10 %% of the diagonal, stones 1 to 2.5 %%, corners 10 to 20 %%",
+    )
     add(
         "--inner",
         nargs="+",
@@ -103,7 +111,7 @@ def _parser() -> argparse.ArgumentParser:
         "--detail",
         type=_between(int, 200, 50000),
         metavar="N",
-        help="points of the simulated shell, 200 to 50000; default: as the strikers' size and --quality need, 300 to 1600",
+        help="points of the simulated shell, 200 to 50000; default: as the strikers' size and --quality need, 300 to 3200",
     )
     add("--jobs", type=_between(int, 1, 1000), default=os.cpu_count() or 1, help="simulations at a time (default: all cores)")
     add("--seed", type=int, default=1, help="of the random blows (default 1)")
@@ -157,6 +165,11 @@ def _run(options: argparse.Namespace) -> None:
         raise Failure(
             f"--depth is {1000 * depth[0]:.3g} to {1000 * depth[1]:.3g} mm; it must rise, up to {300 * body.size:.3g} mm, 0.3 of the diagonal"
         )
+    if options.mass and options.mass[0] > options.mass[1]:
+        raise Failure(f"--mass is {options.mass[0]:g} to {options.mass[1]:g} kg; it must rise")
+    if options.radius and not options.radius[0] <= options.radius[1] <= 0.5 * body.size:
+        ends = " to ".join(f"{1000 * value:.3g}" for value in options.radius)
+        raise Failure(f"--radius is {ends} mm; it must rise, up to {500 * body.size:.3g} mm, half the diagonal")
     words = [f"{body.name}: {len(body.vertices)} vertices, {len(body.triangles)} triangles, {metres(body.size)} across."]
     print(words[0])
     solids: list[Solid] = []
@@ -238,7 +251,7 @@ def _points(body: Body, options: argparse.Namespace) -> int:
     """Points of the shell: its edges follow the smallest striker."""
     quality = QUALITIES[options.quality]
     area = 0.5 * float(np.linalg.norm(face_normals(body.points, body.triangles), axis=1).sum())
-    edge = quality.edge * min(STRIKERS[name].radius[0] for name in options.strikers) * body.size
+    edge = quality.edge * min(radii(name, body.size, options.radius)[0] for name in options.strikers)
     return options.detail or int(np.clip(area / (0.866 * edge**2), *quality.points))
 
 
@@ -272,9 +285,12 @@ def _simulated(
     words += [f"Warning: {text}. The report shows what is held; --hold marked or --hold free changes it." for text in solid.warnings]
     print("\n".join(words[first:]))
     settings = run.Settings(
-        options.material, thickness, options.hold, tuple(options.strikers), depth, options.tilt, detail, options.seed, inner.digest(solids)
+        options.material, thickness, options.hold, tuple(options.strikers), depth, options.tilt, detail, options.seed, inner.digest(solids),
+        options.mass and tuple(options.mass), options.radius and tuple(options.radius),
     )
-    plan = Plan(solid, MATERIALS[options.material], thickness, options.strikers, options.tilt, options.seed, mirror, depth)
+    plan = Plan(
+        solid, MATERIALS[options.material], thickness, options.strikers, options.tilt, options.seed, mirror, depth, settings.mass, settings.radius
+    )
     store = run.Store(out.with_name(f"{out.stem}_work"), body, solid, settings)
     with _Bar(count) as bar:
         done = run.run(plan, settings, store, count, options.until_error, options.jobs, options.go_on, bar.show)
@@ -339,6 +355,11 @@ def _positive(text: str) -> float:
     if not (np.isfinite(value) and value > 0):
         raise argparse.ArgumentTypeError(f"{text} must be above 0")
     return value
+
+
+def _millimetres(text: str) -> float:
+    """In metres."""
+    return 1e-3 * _positive(text)
 
 
 def _between(number: Callable[[str], float], low: float, high: float) -> Callable[[str], float]:

@@ -37,20 +37,27 @@ class Striker:
     """ball; pole: a vertical cylinder that moves in the horizontal plane; wall: a plate that faces the surface; corner: of a cube."""
     radius: tuple[float, float]
     """As shares of the body's diagonal. Half the side of a wall, and of the cube of a corner."""
-    mass: tuple[float, float]
-    """kg. Within these, the mass that gives the wanted energy at a speed of 2 to 10 m/s."""
+    heaviest: float = 10000.0
+    """kg, if masses are not told."""
 
 
 STRIKERS = {
-    "ball": Striker("ball", (0.03, 0.10), (0.001, 10000.0)),
-    "stone": Striker("ball", (0.01, 0.025), (0.001, 50.0)),
-    "pole": Striker("pole", (0.03, 0.10), (0.001, 10000.0)),
+    "ball": Striker("ball", (0.03, 0.10)),
+    "stone": Striker("ball", (0.01, 0.025), 50.0),
+    "pole": Striker("pole", (0.03, 0.10)),
     # A plate as large as the body, whose own edges touch nothing.
-    "wall": Striker("wall", (1.0, 1.0), (0.001, 10000.0)),
-    "corner": Striker("corner", (0.1, 0.2), (0.001, 10000.0)),
+    "wall": Striker("wall", (1.0, 1.0)),
+    "corner": Striker("corner", (0.1, 0.2)),
 }
 TOLD = {"corner": 0.1}
 """The radius that a blow is told with, as a share of the striker's: that of a ball with the corner's footprint in a usual dent."""
 SPEEDS = (2.0, 10.0)
-"""m/s"""
-LEAST_SPEED, MOST_SPEED = 1.0, 20.0
+"""m/s, of strikers whose masses are not told: their energy says their masses."""
+LIMITS = (0.5, 20.0)
+"""m/s, of all strikers."""
+
+
+def radii(striker: str, size: float, told: tuple[float, float] | None) -> tuple[float, float]:
+    """The least and the largest, m, for a body of this diagonal. Walls do not take what is told."""
+    usual = STRIKERS[striker].radius
+    return told if told is not None and striker != "wall" else (usual[0] * size, usual[1] * size)

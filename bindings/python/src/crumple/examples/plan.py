@@ -13,7 +13,7 @@ from scipy.stats import qmc
 from . import Failure
 from .body import Floats
 from .flight import Blow
-from .materials import LEAST_SPEED, MOST_SPEED, SPEEDS, STRIKERS, Material
+from .materials import LIMITS, SPEEDS, STRIKERS, Material, radii
 from .shell import Shell
 from .symmetry import Symmetry
 
@@ -49,9 +49,11 @@ class Plan:
 
     def __init__(
         self, shell: Shell, material: Material, thickness: float, strikers: Sequence[str], tilt: float, seed: int, symmetry: Symmetry,
-        depth: tuple[float, float] = (0.0, 0.0), margin: float = MARGIN,
+        depth: tuple[float, float] = (0.0, 0.0), mass: tuple[float, float] | None = None,
+        radius: tuple[float, float] | None = None, margin: float = MARGIN,
     ) -> None:  # fmt: skip
         self.shell, self.strikers, self.tilt, self.seed, self.symmetry = shell, tuple(strikers), tilt, seed, symmetry
+        self.mass, self.radius = mass, radius
         self.strength = material.strength(thickness)
         far = shell.to_held
         finite = far[np.isfinite(far)]
@@ -100,7 +102,7 @@ class Plan:
         blows = []
         for u in sequence.random(count):
             vertex = int(self.open[min(np.searchsorted(self._area, u[1] * self._area[-1]), len(self.open) - 1)])
-            blows.append(self._blow(u, vertex, energies[0] * (energies[1] / energies[0]) ** u[2]))
+            blows.append(self._blow(u, vertex, _between(energies, u[2])))
         return blows
 
     def features(self, blow: Blow, energies: tuple[float, float]) -> Floats:
@@ -116,7 +118,8 @@ class Plan:
     def _blow(self, u: Floats, vertex: int, along: float) -> Blow:
         """The blow of eight numbers from 0 to 1, with this energy along the normal, J."""
         shell = self.shell
-        striker = STRIKERS[self.strikers[min(int(u[0] * len(self.strikers)), len(self.strikers) - 1)]]
+        name = self.strikers[min(int(u[0] * len(self.strikers)), len(self.strikers) - 1)]
+        striker = STRIKERS[name]
         normal = shell.normals[vertex]
         angle, around = np.radians(self.tilt) * u[5], 2 * np.pi * u[6]
         if striker.shape == "pole" and abs(normal[1]) < 0.8:
@@ -132,12 +135,19 @@ class Plan:
             shape = "ball" if striker.shape == "pole" else striker.shape
         direction = -np.cos(angle) * normal + np.sin(angle) * side
         total = along / np.cos(angle) ** 2
-        speed = SPEEDS[0] * (SPEEDS[1] / SPEEDS[0]) ** u[3]
-        mass = float(np.clip(2 * total / speed**2, *striker.mass))
-        speed = float(np.clip(np.sqrt(2 * total / mass), LEAST_SPEED, MOST_SPEED))
-        radius = float(striker.radius[0] * (striker.radius[1] / striker.radius[0]) ** u[4]) * shell.size
+        if self.mass is None:
+            mass = min(2 * total / _between(SPEEDS, u[3]) ** 2, striker.heaviest)
+        else:
+            mass = _between(self.mass, u[3])
+        speed = float(np.clip(np.sqrt(2 * total / mass), *LIMITS))
+        radius = _between(radii(name, shell.size, self.radius), u[4])
         spin = 2 * np.pi * u[7] if shape == "corner" else 0.0
         return Blow(shell.points[vertex], normal, direction, speed, mass, radius, shape, spin)
+
+
+def _between(ends: tuple[float, float], share: float) -> float:
+    """In equal ratios."""
+    return float(ends[0] * (ends[1] / ends[0]) ** share)
 
 
 def _along_curve(points: Floats) -> NDArray[np.int64]:

@@ -58,6 +58,10 @@ class Settings:
     seed: int
     inner: str = "none"
     """Names the solids of the shell."""
+    mass: tuple[float, float] | None = None
+    """Of the strikers, kg. None: what their energy needs at usual speeds."""
+    radius: tuple[float, float] | None = None
+    """Of the strikers but walls. None: as usual for each."""
 
 
 @dataclass
