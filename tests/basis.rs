@@ -1,4 +1,4 @@
-//! Vertices that follow nodes: how near they are to those of a node at every vertex, their normals, seams, limits and cost in memory.
+//! Vertices that follow nodes: how near they are to those of a node at every vertex, their normals, seams and cost in memory.
 //! tests/promises.rs holds the promises that all bodies share.
 
 mod scenes;
@@ -6,8 +6,8 @@ mod scenes;
 use std::sync::Arc;
 
 use crumple::glam::Vec3;
-use crumple::{BasisOptions, BasisReport, ExampleSet, Hit, Instance, InstanceOptions, Serial, SetOptions};
-use scenes::{Dice, Output, displacements, new};
+use crumple::{BasisOptions, BasisReport, ExampleSet, Hit, Serial, SetOptions};
+use scenes::{Output, displacements, new};
 
 /// A solver body whose vertices follow nodes.
 fn following(body: &str, options: BasisOptions) -> (Arc<ExampleSet>, BasisReport) {
@@ -62,27 +62,6 @@ fn nodes_are_vertices_of_distinct_positions_and_fewer_than_vertices() {
     // All of the panel's positions are fewer than a set begins with.
     let built = set.basis_report().unwrap();
     assert!(built.nodes > 2000 && built.worst == 0.0, "{built:?}");
-}
-
-#[test]
-fn many_hits_leave_no_plateau() {
-    let set = panel();
-    let (copy, _) = following("panel", options(&set));
-    let limit = copy.depth_limit();
-    let deepest = set.examples().iter().map(|e| e.max_depth()).fold(0.0, f32::max);
-    assert!((limit - 3.0 * deepest).abs() < 1e-6, "{limit}");
-    let mut body = Instance::new(copy.clone(), InstanceOptions { capacity: 64, ..InstanceOptions::default() }).unwrap();
-    let mut dice = Dice::new(64);
-    for _ in 0..64 {
-        let v = dice.index(set.vertex_count());
-        let (at, normal) = (set.mesh().positions()[v], set.mesh().contact_normal(v as u32).unwrap());
-        let depth = deepest * dice.between(0.2, 1.8);
-        body.submit(&Hit::displacement(at.to_array(), (normal * -depth).to_array())).unwrap();
-    }
-    let moved = displacements(&mut body);
-    let at_limit = moved.iter().filter(|u| u.length() > 0.99 * limit).count();
-    assert!(at_limit * 20 <= moved.len(), "{at_limit} of {} vertices stand at the limit", moved.len());
-    assert!(moved.iter().any(|u| u.length() > 0.75 * limit), "the hits do reach where the limit acts");
 }
 
 /// Where it is made, and elsewhere; at nodes, and between them.

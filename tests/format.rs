@@ -183,19 +183,6 @@ fn aligned_bytes_are_used_where_they_lie_and_others_copied() {
 }
 
 #[test]
-fn files_are_read() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("sheet.crumple");
-    let set = scenes::sheet_set();
-    std::fs::write(&path, set.save().unwrap()).unwrap();
-    assert_eq!(ExampleSet::load_file(&path, &Serial).unwrap().fingerprint(), set.fingerprint());
-    let e = ExampleSet::load_file(folder.path().join("none.crumple"), &Serial).unwrap_err();
-    assert!(e.kind() == ErrorKind::Io && e.to_string().contains("none.crumple"), "{e}");
-    std::fs::write(&path, b"").unwrap();
-    assert_eq!(ExampleSet::load_file(&path, &Serial).unwrap_err().kind(), ErrorKind::Format);
-}
-
-#[test]
 fn the_source_order_stays_with_the_set() {
     let mut mesh = scenes::ball(2);
     let mut examples = scenes::bowls(&mesh, 3, 0.3, 1);
