@@ -328,7 +328,7 @@ static void whose(void) {
     OK(crumple_instance_destroy(context, body));
 }
 
-// The pointers of a plan. tests/vulkan/graph.rs executes such plans.
+// The pointers of a plan. bindings/godot/project/tests/compute.gd executes such plans.
 static void graphs(void) {
     CrumpleInstance body = make_instance(context, set);
     CrumpleVulkanBufferDef def = crumple_vulkan_buffer_def_default();

@@ -177,14 +177,6 @@ impl Seen {
         unsafe { std::slice::from_raw_parts(self.data, self.size as usize / 4) }
     }
 
-    /// Copies words to an offset in bytes.
-    pub fn write(&self, offset: u64, words: &[u32]) {
-        let at = offset as usize / 4;
-        // SAFETY: the whole buffer is mapped, and no frame is in flight.
-        let all = unsafe { std::slice::from_raw_parts_mut(self.data, self.size as usize / 4) };
-        all[at..at + words.len()].copy_from_slice(words);
-    }
-
     pub fn poison(&self) {
         // SAFETY: the whole buffer is mapped, and no frame is in flight.
         unsafe { std::slice::from_raw_parts_mut(self.data, self.size as usize / 4) }.fill(POISON);
