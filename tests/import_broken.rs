@@ -209,28 +209,6 @@ fn containers_that_lie() {
 }
 
 #[test]
-fn truncated_at_every_byte() {
-    let good = square().bytes();
-    for end in 0..good.len() {
-        assert_eq!(refuse(&good[..end]).kind(), Format, "cut at {end}");
-    }
-    // With the length field corrected, the buffer or the JSON is too short.
-    for end in 12..good.len() {
-        let mut cut = good[..end].to_vec();
-        cut[8..12].copy_from_slice(&(end as u32).to_le_bytes());
-        assert_eq!(refuse(&cut).kind(), Format, "cut at {end}");
-    }
-    let (json, bin) = import_glb::parts(&good);
-    for end in 0..bin.len() {
-        assert_eq!(refuse(&container(json.to_string().as_bytes(), Some(&bin[..end / 4 * 4]))).kind(), Format);
-    }
-    let text = square().json.to_string();
-    for end in (0..text.len()).filter(|end| text.is_char_boundary(*end)) {
-        assert_eq!(refuse(&text.as_bytes()[..end]).kind(), Format);
-    }
-}
-
-#[test]
 fn missing_and_odd_external_files() {
     let folder = tempfile::tempdir().unwrap();
     let read = |uri: &str| {
