@@ -6,7 +6,7 @@ mod scenes;
 use std::sync::Arc;
 
 use crumple::glam::Vec3;
-use crumple::{BasisOptions, BasisReport, ExampleSet, Hit, Serial, SetOptions};
+use crumple::{BasisOptions, BasisReport, ExampleSet, Hit, SetOptions};
 use scenes::{Output, displacements, new};
 
 /// A solver body whose vertices follow nodes.
@@ -170,45 +170,4 @@ fn a_sculpted_example_keeps_its_sharp_fold() {
     }
     let nodes = set.basis_report().unwrap().nodes;
     assert!(2 * nodes < mesh.positions.len(), "{nodes} nodes: the fold does not lie at nodes alone");
-}
-
-#[test]
-fn bodies_of_any_kind_learn_a_basis() {
-    let far = |scale: f32, offset: f32| {
-        let mut mesh = scenes::sheet(20);
-        mesh.positions.iter_mut().for_each(|p| *p = p.map(|x| x * scale + offset));
-        mesh
-    };
-    let mut points = scenes::sheet(20);
-    (points.normals, points.tangents, points.triangles) = (None, None, Vec::new());
-    let one = crumple::MeshData { positions: vec![[1.0, 2.0, 3.0]], ..Default::default() };
-    let mut doubled = scenes::sheet(20);
-    doubled.positions.iter_mut().for_each(|p| p[0] = 0.0);
-    let flat = crumple::MeshData { normals: None, tangents: None, ..doubled };
-    let bodies = [
-        ("points", points),
-        ("one vertex", one),
-        ("small", far(1e-6, 0.0)),
-        // The squares of its distances are 0 in f32. The search for the surface's height never ended.
-        ("too small for squares", far(1e-22, 0.0)),
-        ("far away", far(1.0, 1e6)),
-        ("large", far(1e8, 0.0)),
-        ("a line", flat),
-    ];
-    for (name, mesh) in bodies {
-        let basis = Some(BasisOptions::new(1e-3));
-        let copy = scenes::build(mesh, vec![scenes::poke(0, 0.1)], SetOptions { basis, ..SetOptions::default() });
-        let report = copy.basis_report().unwrap();
-        assert!(report.worst.is_finite() && report.nodes >= 1, "{name}: {report:?}");
-        let mut body = new(&copy);
-        let hit = Hit::displacement(copy.mesh().positions()[0].to_array(), [0.0, 0.0, -0.1]);
-        assert_eq!(body.submit(&hit).unwrap().status, crumple::HitStatus::Marked, "{name}");
-        let out = Output::fresh(&mut body);
-        assert!(out.positions.iter().flatten().all(|x| x.is_finite()), "{name}");
-        assert_eq!(
-            ExampleSet::load_copy(&copy.save().unwrap(), &Serial).unwrap().save().unwrap(),
-            copy.save().unwrap(),
-            "{name}"
-        );
-    }
 }
