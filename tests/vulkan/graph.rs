@@ -8,21 +8,17 @@ use crate::gpu::folded;
 use crate::scenes;
 
 #[test]
-fn a_render_graph_refuses_what_it_cannot_write() {
+fn a_render_graph_refuses_classic_rules() {
     let set = scenes::cube_set();
     let mut graph = Graph::default();
     let bytes = 12 * set.vertex_count() as u64;
-    let def = |size| TargetDef::positions(GraphBuffer { number: 1, size }, 0, bytes);
-    let small = graph.add_target(&set, &def(bytes - 4)).unwrap_err();
-    assert!(matches!(small, Error::BufferTooSmall { .. }), "{small}");
-    let mut target = graph.add_target(&set, &def(bytes)).unwrap();
+    let def = TargetDef::positions(GraphBuffer { number: 1, size: bytes }, 0, bytes);
+    let mut target = graph.add_target(&set, &def).unwrap();
     let classic = Instance::new(set.clone(), InstanceOptions::classic(Rule::MostDisplaced)).unwrap();
     let refused = graph.plan(&mut [Job { instance: &classic, target: &mut target }]).unwrap_err();
     assert!(matches!(refused, Error::WrongRule { .. }), "{refused}");
-    let instance = folded(&set, 1, 1);
-    let other = Graph::default().plan(&mut [Job { instance: &instance, target: &mut target }]).map(drop);
-    assert!(other.unwrap_err().to_string().contains("another device"));
     // Nothing was lost.
+    let instance = folded(&set, 1, 1);
     let (report, passes) = graph.plan(&mut [Job { instance: &instance, target: &mut target }]).unwrap();
     assert_eq!((report.vertices_written, passes.uploads.len()), (set.vertex_count() as u64, 1));
 }
