@@ -436,7 +436,6 @@ const MALFORMED_EXTRAS: &str = r#"
 {"impacts": [[]]} | Format | extras.impacts[0] is []
 {"impacts": [{}]} | Format | extras.impacts[0] has neither
 {"impacts": [{"point": [1, 2]}]} | Format | extras.impacts[0].point is [1,2]
-{"impacts": [{"point": [1, 2, "3"]}]} | Format | extras.impacts[0].point
 {"impacts": [{"point": [1, 2, 1e300]}]} | NotFinite | extras.impacts[0].point.z is inf
 {"impacts": [{"contact_vertex": 4}]} | IndexOutOfRange | contact_vertex is 4; it must be below 4
 {"impacts": [{"contact_vertex": -1}]} | Format | contact_vertex is -1
@@ -444,7 +443,6 @@ const MALFORMED_EXTRAS: &str = r#"
 {"impacts": [{"point": [0, 0, 0], "normal": [0, 0, 0]}]} | Format | normal is [0.0, 0.0, 0.0]
 {"impacts": [{"point": [0, 0, 0], "impulse": 7}]} | Format | extras.impacts[0].impulse is 7; it must be three numbers
 {"impacts": [{"point": [0, 0, 0], "duration": 0}]} | Format | extras.impacts[0].duration is 0; it must be a number above 0
-{"impacts": [{"point": [0, 0, 0], "duration": 1e300}]} | Format | extras.impacts[0].duration is 1e+300
 {"impacts": [{"point": [0, 0, 0], "striker": 7}]} | Format | extras.impacts[0].striker is 7; it must be an object
 {"impacts": [{"point": [0, 0, 0], "striker": {"mass": -1}}]} | Format | extras.impacts[0].striker.mass is -1
 {"impacts": [{"point": [0, 0, 0], "striker": {"radius": "1"}}]} | Format | extras.impacts[0].striker.radius is "1"
