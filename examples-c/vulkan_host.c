@@ -101,8 +101,8 @@ void host_open_device(Host *host) {
     const VkDeviceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
                                      .queueCreateInfoCount = 1,
                                      .pQueueCreateInfos = &queue,
-                                     .enabledExtensionCount = host->extension != NULL,
-                                     .ppEnabledExtensionNames = &host->extension};
+                                     .enabledExtensionCount = host->extension_count,
+                                     .ppEnabledExtensionNames = host->extensions};
     VK(vkCreateDevice(host->physical_device, &info, NULL, &host->device));
     vkGetDeviceQueue(host->device, family, 0, &host->queue);
     const VkCommandPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,

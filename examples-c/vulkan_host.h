@@ -24,7 +24,8 @@ typedef struct Host {
     VkCommandPool pool;
     char name[VK_MAX_PHYSICAL_DEVICE_NAME_SIZE];
     bool software; // the device is a CPU driver
-    const char *extension; // of the device, for host_open_device(); null: none
+    const char *const *extensions; // of the device, for host_open_device()
+    uint32_t extension_count;
     VkDebugUtilsMessengerEXT messenger;
 } Host;
 

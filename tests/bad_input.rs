@@ -14,7 +14,7 @@ use crumple::{
 };
 use twox_hash::XxHash3_64;
 
-use scenes::{Dice, Output, base, check_sound, dented, new, push, random_hit, with};
+use scenes::{Dice, Output, check_sound, dented, new, push, random_hit, with};
 
 /// Asserts that a result is this kind of error and that its text has all these words.
 macro_rules! refused {
@@ -180,21 +180,16 @@ fn quick_sets_with_numbers_that_are_none() {
 #[test]
 fn quick_zero_length_normals_and_degenerate_triangles_are_repaired_and_reported() {
     let mut mesh = scenes::cube(4);
-    let count = mesh.positions.len();
     mesh.normals.as_mut().unwrap()[7] = [0.0; 3];
     mesh.normals.as_mut().unwrap()[8] = [1e-44, 0.0, 0.0];
     mesh.triangles.extend([[0, 0, 1], [5, 5, 5], [0, 1, 2]]);
     mesh.tangents = None;
     let examples = scenes::bowls(&scenes::cube(4), 3, 0.5, 1);
-    let set = Arc::new(build(mesh, examples).unwrap());
+    let set = build(mesh, examples).unwrap();
     assert_eq!(set.report().repaired_normals, 1);
     // 0, 1 and 2 are collinear
     assert_eq!(set.report().degenerate_triangles, 3);
-    let mut instance = new(&set);
-    for v in 0..count {
-        instance.submit(&push(base(&set, v), [-0.01, -0.02, -0.03])).unwrap();
-    }
-    check_sound(&mut instance).unwrap();
+    check_sound(&mut new(&Arc::new(set))).unwrap();
 }
 
 // --------------------------------------------------------------------------------------------------------------- examples
@@ -361,26 +356,6 @@ fn quick_zero_and_tiny_hits_are_too_weak_not_wrong() {
         let cause = Cause::Impulse { blow: Blow::of_impulse([0.0, 0.0, -size], 1e-3), mass: Some(1.0) };
         assert_eq!(instance.submit(&Hit { cause, ..good() }).unwrap().status, HitStatus::BelowYield);
     }
-    still_usable(&mut instance, &[]);
-}
-
-#[test]
-fn quick_enormous_hits_are_cut_to_the_limit() {
-    let mut instance = instance();
-    for size in [1e3, 1e30, f32::MAX] {
-        let outcome = instance.submit(&push([0.0; 3], [0.0, 0.0, -size])).unwrap();
-        assert!(outcome.clamped);
-        assert_eq!(outcome.status, HitStatus::Marked);
-        assert!((outcome.achieved[2] + instance.depth_limit()).abs() < 1e-6);
-        assert!(outcome.shortfall().iter().all(|x| x.is_finite()));
-        let cause = Cause::Impulse { blow: Blow::of_impulse([0.0, 0.0, -size], 1e30), mass: Some(1e-30) };
-        let outcome = instance.submit(&Hit { cause, ..good() }).unwrap();
-        assert!(outcome.clamped && outcome.target.iter().all(|x| x.is_finite()));
-    }
-    let out = Output::fresh(&mut instance);
-    let limit = instance.depth_limit();
-    assert!((0.75 * limit..=limit).contains(&-out.positions[0][2]), "{}", out.positions[0][2]);
-    instance.reset();
     still_usable(&mut instance, &[]);
 }
 
@@ -597,18 +572,12 @@ fn quick_memory_that_is_laid_out_wrong() {
     let mut bytes = vec![0u8; 4096];
     let at = |offset, stride| Attribute { offset, stride, format: Encoding::F32 };
     let mut positions = |p, normal, tangent| VertexMemory::interleaved(&mut bytes, p, normal, tangent).map(drop);
-    for stride in [0, 4, 8] {
-        let found = positions(at(0, stride), None, None);
-        refused!(found, InvalidArgument, "position", stride.to_string().as_str(), "at least the 12 bytes");
-    }
+    // src/base/strided.rs has other offsets and strides, and sizes
+    refused!(positions(at(0, 8), None, None), InvalidArgument, "position", "8", "at least the 12 bytes");
     refused!(positions(at(0, 12), None, Some(at(12, 12))), InvalidArgument, "offset", "stride");
-    for (offset, stride, value) in [(1, 12, "1"), (2, 12, "2"), (0, 13, "13"), (0, 15, "15")] {
-        refused!(positions(at(offset, stride), None, None), Misaligned, "position", value, "multiple of 4");
-    }
-    // values that overlap, also across the end of a vertex
-    for normal in [0, 4, 8, 20] {
-        refused!(positions(at(0, 24), Some(at(normal, 24)), None), InvalidArgument, "position", "normal");
-    }
+    refused!(positions(at(1, 12), None, None), Misaligned, "position", "1", "multiple of 4");
+    refused!(positions(at(0, 13), None, None), Misaligned, "position", "13", "multiple of 4");
+    refused!(positions(at(0, 24), Some(at(8, 24)), None), InvalidArgument, "position", "normal");
     // octahedral values have 4 bytes, of normals and tangents alone
     let octahedral = |offset, stride| Attribute { format: Encoding::Octahedral16x2, ..at(offset, stride) };
     positions(at(0, 20), Some(octahedral(12, 20)), Some(octahedral(16, 20))).unwrap();
@@ -620,10 +589,6 @@ fn quick_memory_that_is_laid_out_wrong() {
         let normal = Attribute { format, ..at(12, 32) };
         refused!(positions(at(0, 32), Some(normal), None), InvalidArgument, "normal format", "F32 or Octahedral16x2");
     }
-    // normals may lie behind the positions, before them, or a whole vertex away
-    for (position, normal) in [(0, 12), (12, 0), (0, 36)] {
-        positions(at(position, 24), Some(at(normal, 24)), None).unwrap();
-    }
 }
 
 #[test]
@@ -631,22 +596,14 @@ fn quick_memory_that_is_too_small() {
     let mut instance = instance();
     instance.submit(&good()).unwrap();
     let mut tracker = Tracker::new();
-    let at = |offset, stride| Attribute { offset, stride, format: Encoding::F32 };
-    for (offset, stride) in [(0, 12), (4, 16), (0, 1024)] {
-        let needed: usize = offset + 2 * stride + 12;
-        tracker.invalidate(); // memory that is up to date is not checked
-        for size in [0, 11, needed - 4, needed - 1] {
-            let mut bytes = vec![0xA5u8; size];
-            let memory = VertexMemory::interleaved(&mut bytes, at(offset, stride), None, None).unwrap();
-            let found = instance.deform(&mut tracker, memory, &Serial);
-            refused!(found, BufferTooSmall, "position", size.to_string().as_str(), needed.to_string().as_str());
-            assert!(bytes.iter().all(|b| *b == 0xA5), "something was written");
-        }
-        let mut bytes = vec![0u8; needed];
-        let memory = VertexMemory::interleaved(&mut bytes, at(offset, stride), None, None).unwrap();
-        assert_eq!(instance.deform(&mut tracker, memory, &Serial).unwrap().vertices_written, 3);
-    }
-    tracker.invalidate();
+    let mut bytes = [0xA5u8; 48];
+    let place = Attribute { offset: 4, stride: 16, format: Encoding::F32 };
+    let memory = VertexMemory::interleaved(&mut bytes[..47], place, None, None).unwrap();
+    refused!(instance.deform(&mut tracker, memory, &Serial), BufferTooSmall, "position", "47", "48");
+    assert!(bytes.iter().all(|b| *b == 0xA5), "something was written");
+    let memory = VertexMemory::interleaved(&mut bytes, place, None, None).unwrap();
+    assert_eq!(instance.deform(&mut tracker, memory, &Serial).unwrap().vertices_written, 3);
+    tracker.invalidate(); // memory that is up to date is not checked
     let (mut positions, mut normals) = ([[0.0; 3]; 3], [[0.0; 3]; 2]);
     let memory = VertexMemory::separate(&mut positions, Some(&mut normals), None).unwrap();
     refused!(instance.deform(&mut tracker, memory, &Serial), BufferTooSmall, "normal", "24", "36");
@@ -654,12 +611,6 @@ fn quick_memory_that_is_too_small() {
     let (mut packed, memory) = ([[0; 2]; 2], VertexMemory::separate(&mut positions, None, None).unwrap());
     let memory = memory.with_octahedral_normals(&mut packed);
     refused!(instance.deform(&mut tracker, memory, &Serial), BufferTooSmall, "normal", "8", "12");
-    let huge = usize::MAX & !3;
-    for attribute in [at(0, huge), at(huge, 12)] {
-        let bytes = bytemuck::cast_slice_mut(&mut positions);
-        let memory = VertexMemory::interleaved(bytes, attribute, None, None).unwrap();
-        refused!(instance.deform(&mut tracker, memory, &Serial), BufferTooSmall, "36");
-    }
 }
 
 #[test]

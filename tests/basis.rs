@@ -1,4 +1,4 @@
-//! Vertices that follow nodes: how near they are to those of a node at every vertex, their normals, seams, limits and cost in memory.
+//! Vertices that follow nodes: how near they are to those of a node at every vertex, their normals, seams and cost in memory.
 //! tests/promises.rs holds the promises that all bodies share.
 
 mod scenes;
@@ -6,8 +6,8 @@ mod scenes;
 use std::sync::Arc;
 
 use crumple::glam::Vec3;
-use crumple::{BasisOptions, BasisReport, ExampleSet, Hit, Instance, InstanceOptions, Serial, SetOptions};
-use scenes::{Dice, Output, displacements, new};
+use crumple::{BasisOptions, BasisReport, ExampleSet, Hit, SetOptions};
+use scenes::{Output, displacements, new};
 
 /// A solver body whose vertices follow nodes.
 fn following(body: &str, options: BasisOptions) -> (Arc<ExampleSet>, BasisReport) {
@@ -62,27 +62,6 @@ fn nodes_are_vertices_of_distinct_positions_and_fewer_than_vertices() {
     // All of the panel's positions are fewer than a set begins with.
     let built = set.basis_report().unwrap();
     assert!(built.nodes > 2000 && built.worst == 0.0, "{built:?}");
-}
-
-#[test]
-fn many_hits_leave_no_plateau() {
-    let set = panel();
-    let (copy, _) = following("panel", options(&set));
-    let limit = copy.depth_limit();
-    let deepest = set.examples().iter().map(|e| e.max_depth()).fold(0.0, f32::max);
-    assert!((limit - 3.0 * deepest).abs() < 1e-6, "{limit}");
-    let mut body = Instance::new(copy.clone(), InstanceOptions { capacity: 64, ..InstanceOptions::default() }).unwrap();
-    let mut dice = Dice::new(64);
-    for _ in 0..64 {
-        let v = dice.index(set.vertex_count());
-        let (at, normal) = (set.mesh().positions()[v], set.mesh().contact_normal(v as u32).unwrap());
-        let depth = deepest * dice.between(0.2, 1.8);
-        body.submit(&Hit::displacement(at.to_array(), (normal * -depth).to_array())).unwrap();
-    }
-    let moved = displacements(&mut body);
-    let at_limit = moved.iter().filter(|u| u.length() > 0.99 * limit).count();
-    assert!(at_limit * 20 <= moved.len(), "{at_limit} of {} vertices stand at the limit", moved.len());
-    assert!(moved.iter().any(|u| u.length() > 0.75 * limit), "the hits do reach where the limit acts");
 }
 
 /// Where it is made, and elsewhere; at nodes, and between them.
@@ -191,45 +170,4 @@ fn a_sculpted_example_keeps_its_sharp_fold() {
     }
     let nodes = set.basis_report().unwrap().nodes;
     assert!(2 * nodes < mesh.positions.len(), "{nodes} nodes: the fold does not lie at nodes alone");
-}
-
-#[test]
-fn bodies_of_any_kind_learn_a_basis() {
-    let far = |scale: f32, offset: f32| {
-        let mut mesh = scenes::sheet(20);
-        mesh.positions.iter_mut().for_each(|p| *p = p.map(|x| x * scale + offset));
-        mesh
-    };
-    let mut points = scenes::sheet(20);
-    (points.normals, points.tangents, points.triangles) = (None, None, Vec::new());
-    let one = crumple::MeshData { positions: vec![[1.0, 2.0, 3.0]], ..Default::default() };
-    let mut doubled = scenes::sheet(20);
-    doubled.positions.iter_mut().for_each(|p| p[0] = 0.0);
-    let flat = crumple::MeshData { normals: None, tangents: None, ..doubled };
-    let bodies = [
-        ("points", points),
-        ("one vertex", one),
-        ("small", far(1e-6, 0.0)),
-        // The squares of its distances are 0 in f32. The search for the surface's height never ended.
-        ("too small for squares", far(1e-22, 0.0)),
-        ("far away", far(1.0, 1e6)),
-        ("large", far(1e8, 0.0)),
-        ("a line", flat),
-    ];
-    for (name, mesh) in bodies {
-        let basis = Some(BasisOptions::new(1e-3));
-        let copy = scenes::build(mesh, vec![scenes::poke(0, 0.1)], SetOptions { basis, ..SetOptions::default() });
-        let report = copy.basis_report().unwrap();
-        assert!(report.worst.is_finite() && report.nodes >= 1, "{name}: {report:?}");
-        let mut body = new(&copy);
-        let hit = Hit::displacement(copy.mesh().positions()[0].to_array(), [0.0, 0.0, -0.1]);
-        assert_eq!(body.submit(&hit).unwrap().status, crumple::HitStatus::Marked, "{name}");
-        let out = Output::fresh(&mut body);
-        assert!(out.positions.iter().flatten().all(|x| x.is_finite()), "{name}");
-        assert_eq!(
-            ExampleSet::load_copy(&copy.save().unwrap(), &Serial).unwrap().save().unwrap(),
-            copy.save().unwrap(),
-            "{name}"
-        );
-    }
 }

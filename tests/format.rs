@@ -183,19 +183,6 @@ fn aligned_bytes_are_used_where_they_lie_and_others_copied() {
 }
 
 #[test]
-fn files_are_read() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("sheet.crumple");
-    let set = scenes::sheet_set();
-    std::fs::write(&path, set.save().unwrap()).unwrap();
-    assert_eq!(ExampleSet::load_file(&path, &Serial).unwrap().fingerprint(), set.fingerprint());
-    let e = ExampleSet::load_file(folder.path().join("none.crumple"), &Serial).unwrap_err();
-    assert!(e.kind() == ErrorKind::Io && e.to_string().contains("none.crumple"), "{e}");
-    std::fs::write(&path, b"").unwrap();
-    assert_eq!(ExampleSet::load_file(&path, &Serial).unwrap_err().kind(), ErrorKind::Format);
-}
-
-#[test]
 fn the_source_order_stays_with_the_set() {
     let mut mesh = scenes::ball(2);
     let mut examples = scenes::bowls(&mesh, 3, 0.3, 1);
@@ -262,23 +249,6 @@ fn sections(file: &[u8]) -> Vec<(usize, usize)> {
     let word = |at: usize| u64::from_le_bytes(file[at..at + 8].try_into().unwrap()) as usize;
     let count = u32::from_le_bytes(file[28..32].try_into().unwrap()) as usize;
     (0..count).map(|i| HEADER + i * ENTRY).map(|at| (word(at + 8), word(at + 16))).collect()
-}
-
-#[test]
-fn no_truncation_passes() {
-    for (name, set) in small_sets() {
-        let file = set.save().unwrap();
-        let borders = sections(&file).into_iter().flat_map(|(at, len)| [at, at + len]);
-        for end in borders.chain(0..200).filter(|end| *end < file.len()) {
-            for fix in [false, true] {
-                let mut cut = file[..end].to_vec();
-                if fix {
-                    repair(&mut cut);
-                }
-                assert!(load(&cut).is_err(), "{name} cut at {end}");
-            }
-        }
-    }
 }
 
 #[test]

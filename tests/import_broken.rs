@@ -6,7 +6,7 @@ mod import_glb;
 use crumple::export::deformed_glb;
 use crumple::import::{MeshChoice, gltf_file, gltf_slice};
 use crumple::{Error, ErrorKind};
-use import_glb::{Glb, container, fixture, square};
+use import_glb::{Glb, container, square};
 use serde_json::{Value, json};
 
 fn refuse(bytes: &[u8]) -> Error {
@@ -30,13 +30,11 @@ use ErrorKind::{Format, IndexOutOfRange, NotFinite, Unsupported};
 const LIES: &str = r#"
 versions:
 /asset/version    | "1.0" | Unsupported | glTF version 1.0; version 2.0 is read
-!                 | "3.0" | Unsupported | glTF version 3.0
 !                 | 2.0   | Format      | no asset.version
 /asset/minVersion | "2.1" | Unsupported | glTF version 2.1
 
 buffers:
 /buffers/0/byteLength | 100000 | Format | buffer 0 says it has 100000 bytes; there are
-! | 18446744073709551615 | Format | buffer 0 says it has 18446744073709551615 bytes
 ! | -1 | Format | buffers[0] of the glTF: invalid value
 ! | 4 | Format | bufferView 0 is 48 bytes from byte 0; buffer 0 has 4
 /buffers | {} | Format | the glTF's buffers is not a list
@@ -59,25 +57,19 @@ buffers:
 
 buffer views:
 /bufferViews/0/byteLength | 40 | Format | 4 elements of 12 bytes, 12 apart, from byte 0 do not fit into bufferView 0 of 40 bytes
-! | 18446744073709551615 | Format | bufferView 0 is 18446744073709551615 bytes
 /bufferViews/0/byteOffset | 18446744073709551615 | Format | from byte 18446744073709551615
 /bufferViews/3/byteOffset | 1048576 | Format | bufferView 3 is 48 bytes from byte 1048576
 /bufferViews/0/byteStride | 0 | Format | byteStride of 0; an element has 12 bytes
-! | 8 | Format | byteStride of 8
-! | 16 | Format | 16 apart
 ! | 18446744073709551615 | Format | do not fit
 /accessors/0/byteOffset | 4 | Format | from byte 4 do not fit
 ! | 18446744073709551615 | Format | from byte 18446744073709551615
 /accessors/0/bufferView | 99 | IndexOutOfRange | bufferView is 99; it must be below 7
-! | -1 | Format | accessors[0] of the glTF
 
 counts and types:
 /accessors/0/count | 0 | Format | mesh 0 'Square', primitive 0 POSITION (accessor 0) has a count of 0
-! | 18446744073709551615 | Format | has a count of 18446744073709551615
 ! | 4294967295 | Format | has a count of 4294967295
 ! | 4294967294 | Format | do not fit into bufferView 0
 ! | 4.5 | Format | accessors[0] of the glTF: invalid type: floating point `4.5`, expected a whole number
-! | {} | Format | accessors[0] of the glTF: invalid type: an object, expected a whole number
 ! | 3 | IndexOutOfRange | indices (accessor 2)[4] is 3; it must be below 3
 /accessors/1/count | 3 | Format | NORMAL has 3 elements; POSITION has 4
 /accessors/3/count | 2 | Format | target 0 POSITION has 2 elements; POSITION has 4
@@ -86,7 +78,6 @@ counts and types:
 /accessors/0/componentType | 5130 | Format | unknown componentType
 ! | 5125 | Format | has components of UNSIGNED_INT (5125); they must be floats, or bytes or shorts of KHR_mesh_quantization
 /accessors/2/componentType | 5126 | Format | indices must be unsigned integers
-! | 5125 | Format | 6 elements of 4 bytes
 /accessors/2/type | "VEC3" | Format | must be SCALAR
 /accessors/2/count | 5 | Format | has 5 triangle corners; there must be a multiple of 3
 /meshes/0/primitives/0/mode | 9 | Format | has an unknown mode
@@ -103,8 +94,6 @@ counts and types:
 
 sparse accessors:
 /accessors/5/sparse/count | 5 | Format | has a sparse count of 5; it must be at most its count of 4
-! | 18446744073709551615 | Format | sparse count of 18446744073709551615
-! | 3 | Format | 3 elements of 2 bytes
 /accessors/5/sparse/indices/bufferView | 99 | IndexOutOfRange | sparse indices: bufferView is 99
 /accessors/5/sparse/values/bufferView | 99 | IndexOutOfRange | sparse values: bufferView is 99
 /accessors/5/sparse/indices/byteOffset | 2 | Format | from byte 2 do not fit
@@ -168,12 +157,6 @@ fn files_that_are_something_else() {
     expect(b"{}", Format, "no asset.version");
     expect(b"{\"asset\": 5}", Format, "no asset.version");
     expect("{\"a\": ".repeat(5000).as_bytes(), Format, "recursion limit");
-    let png = fixture("separate/rust 1.png");
-    let folder = tempfile::tempdir().unwrap();
-    let renamed = folder.path().join("car.glb");
-    std::fs::copy(png, &renamed).unwrap();
-    let error = gltf_file(&renamed, MeshChoice::First).unwrap_err();
-    assert!(error.to_string().contains("a PNG image"), "{error}");
 }
 
 #[test]
@@ -212,28 +195,6 @@ fn containers_that_lie() {
     let length = glb.len() as u32;
     glb[8..12].copy_from_slice(&length.to_le_bytes());
     gltf_slice(&glb, None, MeshChoice::First).unwrap();
-}
-
-#[test]
-fn truncated_at_every_byte() {
-    let good = square().bytes();
-    for end in 0..good.len() {
-        assert_eq!(refuse(&good[..end]).kind(), Format, "cut at {end}");
-    }
-    // With the length field corrected, the buffer or the JSON is too short.
-    for end in 12..good.len() {
-        let mut cut = good[..end].to_vec();
-        cut[8..12].copy_from_slice(&(end as u32).to_le_bytes());
-        assert_eq!(refuse(&cut).kind(), Format, "cut at {end}");
-    }
-    let (json, bin) = import_glb::parts(&good);
-    for end in 0..bin.len() {
-        assert_eq!(refuse(&container(json.to_string().as_bytes(), Some(&bin[..end / 4 * 4]))).kind(), Format);
-    }
-    let text = square().json.to_string();
-    for end in (0..text.len()).filter(|end| text.is_char_boundary(*end)) {
-        assert_eq!(refuse(&text.as_bytes()[..end]).kind(), Format);
-    }
 }
 
 #[test]

@@ -4,7 +4,6 @@
 mod import_glb;
 mod scenes;
 
-use crumple::glam::Vec3;
 use crumple::import::{Imported, MeshChoice, Patterns, Reading, apply_extras, gltf_file, gltf_slice};
 use crumple::{Blow, Contact, Error, ErrorKind, ExampleData, Striker};
 use import_glb::{Glb, SQUARE, UP, bytes, fixture, sparse, square};
@@ -85,32 +84,6 @@ fn two_materials_become_two_ranges_of_one_mesh() {
 }
 
 #[test]
-fn deltas_are_what_the_artist_modelled() {
-    for file in ["two_materials.glb", "two_materials_sparse.glb"] {
-        let plate = blender(file);
-        let [left, middle] = &plate.examples[..] else { panic!("two examples") };
-        assert_dent(&plate, left, [-0.25, 0.0, 0.0], 0.3, 0.1, [0.0, -1.0, 0.0]);
-        assert_dent(&plate, middle, [0.0, 0.0, -0.125], 0.3, 0.05, [0.0, -0.8, -0.6]);
-        let normals = field(left.normals.as_ref().unwrap(), 90);
-        for (base, delta) in plate.mesh.normals.as_ref().unwrap().iter().zip(&normals) {
-            assert!(((Vec3::from(*base) + *delta).length() - 1.0).abs() < 1e-3, "deformed normals are unit normals");
-        }
-    }
-}
-
-#[test]
-fn impacts_come_from_custom_properties() {
-    let plate = blender("two_materials.glb");
-    let [left, middle] = &plate.examples[..] else { panic!("two examples") };
-    assert_eq!((left.name.as_str(), middle.name.as_str()), ("Left", "Middle"));
-    // The file lists them in the opposite order, so names decide.
-    assert_eq!(left.contact, Some(Contact::Point([-0.25, 0.0, 0.0])));
-    assert_eq!(left.contact_normal, Some([0.0, 1.0, 0.0]), "normalised");
-    assert_eq!(middle.contact, Some(Contact::Point([0.0, 0.0, -0.125])));
-    assert_eq!(middle.contact_normal, None);
-}
-
-#[test]
 fn uv_seams_hard_edges_and_odd_keys() {
     for file in ["seams.glb", "seams_sparse.glb"] {
         let drum = blender(file);
@@ -129,32 +102,6 @@ fn uv_seams_hard_edges_and_odd_keys() {
     }
     assert_eq!(blender("seams.glb").mesh.tangents.map(|t| t.len()), Some(91));
     assert_eq!(blender("seams_sparse.glb").mesh.tangents, None);
-}
-
-#[test]
-fn the_world_matrix_is_the_product_of_the_parents() {
-    let path = fixture("nodes.glb");
-    let panel = gltf_file(&path, MeshChoice::Name("Panel".into())).unwrap();
-    let columns = panel.node_transform.unwrap();
-    let world = |p: [f32; 3]| -> [f32; 3] {
-        std::array::from_fn(|r| (0..3).map(|c| columns[c][r] * p[c]).sum::<f32>() + columns[3][r])
-    };
-    // In Blender: rotated 30 degrees about x, moved (0.5, 0, 0); scaled (2, 3, 0.5); rotated 90 degrees about z, moved
-    // (1, 2, 3).
-    let by_hand = |[x, y, z]: [f32; 3]| -> [f32; 3] {
-        let (sin, cos) = 30f32.to_radians().sin_cos();
-        let (x, y, z) = (x + 0.5, cos * y - sin * z, sin * y + cos * z);
-        let (x, y, z) = (2.0 * x, 3.0 * y, 0.5 * z);
-        [1.0 - y, 2.0 + x, 3.0 + z]
-    };
-    for p in [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.25, -0.5, 2.0]] {
-        let [x, y, z] = by_hand(p);
-        let got = world([p[0], p[2], -p[1]]);
-        for (a, b) in got.iter().zip([x, z, -y]) {
-            assert!((a - b).abs() < 1e-5, "{got:?} is not {:?}", [x, z, -y]);
-        }
-    }
-    assert_dent(&panel, &panel.examples[0], [0.0; 3], 0.6, 0.2, [0.0, -1.0, 0.0]);
 }
 
 #[test]
@@ -474,7 +421,6 @@ const MALFORMED_EXTRAS: &str = r#"
 {"impacts": [[]]} | Format | extras.impacts[0] is []
 {"impacts": [{}]} | Format | extras.impacts[0] has neither
 {"impacts": [{"point": [1, 2]}]} | Format | extras.impacts[0].point is [1,2]
-{"impacts": [{"point": [1, 2, "3"]}]} | Format | extras.impacts[0].point
 {"impacts": [{"point": [1, 2, 1e300]}]} | NotFinite | extras.impacts[0].point.z is inf
 {"impacts": [{"contact_vertex": 4}]} | IndexOutOfRange | contact_vertex is 4; it must be below 4
 {"impacts": [{"contact_vertex": -1}]} | Format | contact_vertex is -1
@@ -482,7 +428,6 @@ const MALFORMED_EXTRAS: &str = r#"
 {"impacts": [{"point": [0, 0, 0], "normal": [0, 0, 0]}]} | Format | normal is [0.0, 0.0, 0.0]
 {"impacts": [{"point": [0, 0, 0], "impulse": 7}]} | Format | extras.impacts[0].impulse is 7; it must be three numbers
 {"impacts": [{"point": [0, 0, 0], "duration": 0}]} | Format | extras.impacts[0].duration is 0; it must be a number above 0
-{"impacts": [{"point": [0, 0, 0], "duration": 1e300}]} | Format | extras.impacts[0].duration is 1e+300
 {"impacts": [{"point": [0, 0, 0], "striker": 7}]} | Format | extras.impacts[0].striker is 7; it must be an object
 {"impacts": [{"point": [0, 0, 0], "striker": {"mass": -1}}]} | Format | extras.impacts[0].striker.mass is -1
 {"impacts": [{"point": [0, 0, 0], "striker": {"radius": "1"}}]} | Format | extras.impacts[0].striker.radius is "1"

@@ -180,53 +180,7 @@ fn each_loop_is_held_or_free_by_itself() {
     assert!(hole.len() == 16 && hole.iter().any(|v| moved[*v] != Vec3::ZERO), "the hole");
 }
 
-// ------------------------------------------------------------------------------------------------------- smooth everywhere
-
-/// A fine sheet and an example with an endless tail: every vertex moves except on the sides.
-fn tailed(n: usize) -> Arc<ExampleSet> {
-    let mesh = scenes::sheet(n);
-    let contact = scenes::nearest(&mesh, [0.1, -0.05, 0.0]);
-    let side = |x: f32| 1.0 - (2.0 * x).powi(60);
-    let e = example(&mesh, contact, |p| {
-        let r = p - Vec3::new(0.1, -0.05, 0.0);
-        let w = side(p.x) * side(p.y) / (1.0 + r.length_squared() / 0.01);
-        Vec3::new(0.1 * r.x * w, 0.1 * r.y * w, -0.05 * w)
-    });
-    build(mesh, vec![e], SetOptions { depth_limit: Some(1.0), ..SetOptions::default() })
-}
-
-/// The greatest slope of a field between neighbours.
-fn steepest(set: &ExampleSet, field: &[Vec3]) -> f32 {
-    let edges = set.mesh().triangles().iter().flat_map(|t| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])]);
-    let slope = |(a, b): (u32, u32)| {
-        let (a, b) = (a as usize, b as usize);
-        (field[a] - field[b]).length() / (positions(set)[a] - positions(set)[b]).length()
-    };
-    edges.map(slope).fold(0.0, f32::max)
-}
-
-#[test]
-fn no_jumps_across_the_window_nor_on_the_sides_of_a_stamp() {
-    let set = tailed(160);
-    assert_eq!(set.report().held_vertices, 640);
-    let e = &set.examples()[0];
-    let own: Vec<Vec3> = (0..set.vertex_count() as u32).map(|v| e.delta(v)).collect();
-    let own = steepest(&set, &own);
-    let window = 1.5 / (0.03 * set.mesh().bounds().diagonal());
-    for (x, y) in [(0.0, 0.0), (0.3, -0.2), (0.49, 0.1), (0.46, 0.44), (-0.5, 0.5)] {
-        for depth in [0.003, 0.05, 0.2] {
-            let (field, _) = dent(&set, InstanceOptions::default(), &push([x, y, 0.0], [0.0, 0.0, -depth]));
-            let scale = depth / e.depth();
-            let stretch = scale.sqrt().clamp(0.25, 4.0);
-            // as steep as the example and as the slope of the window; a jump of a hundredth of the depth over one cell
-            // at the sides is less
-            // a dent beside a held rim is up to half as deep again, so that its contact moves as told
-            let allowed = 1.5 * (2.2 * own * scale / stretch + window * depth);
-            let is = steepest(&set, &field);
-            assert!(is <= allowed, "at {x}, {y}, depth {depth}: {is}, not {allowed}");
-        }
-    }
-}
+// ---------------------------------------------------------------------------------------------------------------- normals
 
 /// The greatest angle between a normal that is shown and that of the triangles around it, degrees. A rim has triangles on one side only.
 fn worst_normal(set: &Arc<ExampleSet>, hit: &Hit) -> f32 {

@@ -6,10 +6,8 @@ mod scenes;
 use std::sync::{Arc, LazyLock};
 
 use crumple::glam::Vec3;
-use crumple::{
-    BasisOptions, Blow, Error, ExampleData, ExampleSet, Hit, MeshData, Serial, SetOptions, ThreadPool, map_damage,
-};
-use scenes::{Dice, Output, displacements, new, relative_l2};
+use crumple::{BasisOptions, Blow, Error, ExampleData, ExampleSet, Hit, MeshData, SetOptions, ThreadPool, map_damage};
+use scenes::{Dice, displacements, new, relative_l2};
 
 /// A sheet whose dents go with the root of the blow's energy, and are three times as deep on the right as on the left.
 struct Soft {
@@ -115,7 +113,7 @@ fn expected_errors_tell_where_examples_contradict_each_other() {
 }
 
 #[test]
-fn marks_hold_the_hit_and_survive_saving_and_another_set() {
+fn marks_hold_the_hit_and_survive_another_set() {
     let soft = Soft::new();
     let set = TWENTY.clone();
     let mut body = new(&set);
@@ -126,13 +124,6 @@ fn marks_hold_the_hit_and_survive_saving_and_another_set() {
     body.submit(&scenes::push([-0.1, 0.1, 0.0], [0.0, 0.01, -0.03])).unwrap();
     let marks = body.marks().unwrap().to_vec();
     assert_eq!((marks.len(), marks.iter().filter(|m| m.told == 1).count()), (11, 10));
-    let now = Output::fresh(&mut body).all_bits();
-    // The set from its file, and the damage from its bytes, give the same bits.
-    let again = Arc::new(ExampleSet::load_copy(&set.save().unwrap(), &Serial).unwrap());
-    assert_eq!((again.save().unwrap(), again.fingerprint()), (set.save().unwrap(), set.fingerprint()));
-    let mut loaded = new(&again);
-    loaded.load(&body.save()).unwrap();
-    assert_eq!(Output::fresh(&mut loaded).all_bits(), now);
     // A set with more examples takes the hits and predicts them better.
     let larger = soft.set(30);
     assert!(matches!(new(&larger).load(&body.save()), Err(Error::DamageMismatch { .. })), "another fingerprint");

@@ -5,28 +5,15 @@ mod scenes;
 
 use crumple::glam::Vec3;
 use crumple::*;
-use scenes::{Dice, Output, cube, new, with};
+use scenes::{Dice, Output, cube, new, sheet, with};
 
-/// A sheet of `n` by `n` vertices on 1 m² from the origin on, facing +z.
-fn sheet(n: usize) -> MeshData {
-    let mut mesh = MeshData { tangents: None, ..scenes::sheet(n - 1) };
-    mesh.positions.iter_mut().for_each(|p| *p = [p[0] + 0.5, p[1] + 0.5, 0.0]);
-    mesh
-}
+const PLACES: [[f32; 3]; 2] = [[-0.2, -0.1, 0.0], [0.2, 0.1, 0.0]];
 
-/// The examples of the sheet: two dents of 0.2 m.
-fn examples(mesh: &MeshData) -> Vec<ExampleData> {
-    let dent = |x: f32, y: f32| {
-        let depth = |p: &[f32; 3]| 0.2 * (1.0 - ((p[0] - x).hypot(p[1] - y) / 0.4).powi(2)).max(0.0);
-        let d = mesh.positions.iter().map(|p| [0.3 * depth(p), 0.0, -depth(p)]);
-        ExampleData::new("dent", Deltas::Full(d.collect()))
-    };
-    vec![dent(0.3, 0.4), dent(0.7, 0.6)]
-}
-
+/// A set of this sheet with two dents of 0.2 m.
 fn body(mesh: MeshData) -> std::sync::Arc<ExampleSet> {
-    let set = ExampleSet::build(mesh.clone(), examples(&mesh), SetOptions::default(), &Serial);
-    std::sync::Arc::new(set.unwrap())
+    let upward = MeshData { normals: Some(vec![[0.0, 0.0, 1.0]; mesh.positions.len()]), ..mesh.clone() };
+    let dents = PLACES.map(|place| scenes::bowl(&upward, scenes::nearest(&mesh, place), 0.2, 0.4));
+    scenes::build(mesh, dents.to_vec(), SetOptions::default())
 }
 
 /// Positions and normals.
@@ -37,10 +24,10 @@ fn shown(body: &mut Instance) -> (Vec<Vec3>, Vec<Vec3>) {
 
 fn random_hit(dice: &mut Dice) -> Hit {
     let d = [dice.between(-0.3, 0.3), dice.between(-0.3, 0.3), dice.between(-0.6, 0.6)];
-    Hit::displacement([dice.unit(), dice.unit(), 0.0], d)
+    Hit::displacement([dice.unit() - 0.5, dice.unit() - 0.5, 0.0], d)
 }
 
-const CAPSULE: ([f32; 3], [f32; 3], f32) = ([0.1, 0.2, -0.12], [0.9, 0.7, -0.06], 0.05);
+const CAPSULE: ([f32; 3], [f32; 3], f32) = ([-0.4, -0.3, -0.12], [0.4, 0.2, -0.06], 0.05);
 
 /// Distance from the capsule's surface, m; negative inside.
 fn outside(p: Vec3) -> f64 {
@@ -50,7 +37,7 @@ fn outside(p: Vec3) -> f64 {
 }
 
 fn kept_out() -> MeshData {
-    let mut mesh = sheet(33);
+    let mut mesh = sheet(32);
     let solid = Solid::Capsule { a: CAPSULE.0, b: CAPSULE.1, radius: CAPSULE.2 };
     let report = mesh.keep_out(&[solid], &Serial).unwrap();
     assert_eq!((report.limited, report.inside), (33 * 33, 0));
@@ -65,7 +52,7 @@ fn no_vertex_enters_a_solid() {
     let classic = [Rule::MostDisplaced, Rule::Blend(0.3)].map(InstanceOptions::classic);
     for options in [InstanceOptions::default()].into_iter().chain(classic) {
         let (rule, options) = (options.rule, InstanceOptions { depth_limit: Some(1.0), ..options });
-        let (mut free, mut held) = (with(&body(sheet(33)), options), with(&body(mesh.clone()), options));
+        let (mut free, mut held) = (with(&body(sheet(32)), options), with(&body(mesh.clone()), options));
         for _ in 0..100 {
             for _ in 0..200 {
                 let hit = random_hit(&mut dice);
@@ -114,7 +101,7 @@ fn normals_of_vertices_that_cannot_move_stay() {
         let rule = options.rule;
         let mut turned_at_rest = 0;
         for held in [None, Some(true), Some(false)] {
-            let mut mesh = sheet(33);
+            let mut mesh = sheet(32);
             let n = mesh.positions.len();
             match held {
                 None => {}
@@ -125,8 +112,8 @@ fn normals_of_vertices_that_cannot_move_stay() {
                 }
             }
             let mut body = with(&body(mesh.clone()), options);
-            for (x, y) in [(0.3, 0.4), (0.7, 0.6)] {
-                let outcome = body.submit(&Hit::displacement([x, y, 0.0], [0.06, 0.0, -0.2])).unwrap();
+            for place in PLACES {
+                let outcome = body.submit(&Hit::displacement(place, [0.06, 0.0, -0.2])).unwrap();
                 assert_eq!(outcome.status, HitStatus::Marked);
             }
             let (positions, normals) = shown(&mut body);
@@ -152,7 +139,7 @@ fn skins_that_move_alike_hardly_cross() {
     let second_triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|t| t.map(|v| v + n as u32)).collect();
     mesh.positions.extend(second);
     mesh.triangles.extend(second_triangles);
-    mesh.normals = None;
+    (mesh.normals, mesh.tangents) = (None, None);
     let limits = mesh.depth_limits.clone().unwrap();
     mesh.depth_limits.as_mut().unwrap().extend(limits);
     let mut body = new(&body(mesh));

@@ -357,6 +357,19 @@ fn the_solver_s_bodies_agree_too() {
     }
 }
 
+/// What random hits do not meet.
+#[test]
+fn quick_the_first_of_equal_cosines_and_the_last_of_equal_lengths_win() {
+    let examples = [1.0, 2.0, 1.0, -1.0].map(|depth| scenes::poke(4, depth));
+    let set = build(scenes::sheet(2), examples.to_vec(), SetOptions::default());
+    let mut body = with(&set, InstanceOptions::classic(Rule::MostDisplaced));
+    for (along, example) in [(-1.0, 0), (1.0, 3)] {
+        let chosen = body.submit(&scenes::push([0.0; 3], [0.0, 0.0, along])).unwrap().classic.unwrap();
+        assert_eq!((chosen.example, chosen.weight), (example, 1.0));
+        assert_eq!(scenes::positions(&mut body).0[4], [0.0, 0.0, along]);
+    }
+}
+
 #[test]
 fn quick_the_oracle_agrees_on_a_few_sets() {
     for seed in 0..6 {

@@ -102,7 +102,6 @@ static void meshes(void) {
     BAD_SET(INVALID_ARGUMENT, "0 never means tightly packed", mesh.tangents.stride = 0);
     BAD_SET(BUFFER_TOO_SMALL, "def.mesh.positions", mesh.positions.size -= 1);
     BAD_SET(BUFFER_TOO_SMALL, "def.mesh.positions", mesh.vertex_count = UINT32_MAX);
-    BAD_SET(BUFFER_TOO_SMALL, "def.mesh.positions", mesh.positions.stride = SIZE_MAX & ~(size_t)3);
     BAD_SET(INVALID_ARGUMENT, "past the end of memory", mesh.positions.size = SIZE_MAX);
     // Triangles.
     BAD_SET(INVALID_ARGUMENT, "multiple of 3", mesh.index_count -= 1);
@@ -307,7 +306,6 @@ static void contact_points(void) {
     CrumpleContactHit hits[1];
     CrumpleContactOptionsDef options = crumple_contact_options_def_default();
     BAD_POINTS(STRUCT_SIZE, "points[1].def.struct_size", points[1].struct_size = 3);
-    BAD_POINTS(NOT_FINITE, "points[1].velocity", (points[1].has_velocity = true, points[1].velocity.x = NAN));
     BAD_POINTS(INVALID_ID, "points[1].bodies[1]", points[1].bodies[1].index = 1000);
     BAD(NULL_POINTER, "points", crumple_context_report_contacts(context, NULL, 1));
     OK(crumple_context_report_contacts(context, NULL, 0));
@@ -315,8 +313,8 @@ static void contact_points(void) {
     BAD(NULL_POINTER, "out_count", crumple_context_get_contact_hits(context, hits, 1, NULL));
     OK(crumple_context_step_contacts(context, 1, &report));
     FACT(report.points == 0);
-    options.gain = -1;
-    BAD(INVALID_ARGUMENT, "gain", crumple_context_set_contact_options(context, &options));
+    options.struct_size = 3;
+    BAD(STRUCT_SIZE, "crumple_contact_options_def_default", crumple_context_set_contact_options(context, &options));
 }
 
 // Arrays that the caller gets: how many are needed is told, and nothing is written where there is no room for all.
@@ -388,9 +386,7 @@ static void buffers(void) {
     BAD_BUFFER(NULL_POINTER, "def.normals.data is null", def.normals.data = NULL);
     BAD_BUFFER(MISALIGNED, "def.positions.data", def.positions.data = crooked(memory));
     BAD_BUFFER(MISALIGNED, "def.normals.offset is 10", def.normals.offset = 10);
-    BAD_BUFFER(INVALID_ARGUMENT, "def.normals.stride is 0 bytes", def.normals.stride = 0);
     BAD_BUFFER(BUFFER_TOO_SMALL, "def.tangents", def.tangents.size -= 1);
-    BAD_BUFFER(BUFFER_TOO_SMALL, "def.positions", def.positions.stride = SIZE_MAX & ~(size_t)3);
     BAD_BUFFER(INVALID_ARGUMENT, "def.normals and def.positions overlap", def.normals.offset = 8);
     BAD_BUFFER(INVALID_ARGUMENT, "def.normal_format is 2", SET_ENUM(def.normal_format, 2));
     CrumpleHostBufferDef def = host_def(memory, VERTICES, 3);

@@ -1,4 +1,5 @@
-// How much memory loading takes, how often a hit allocates, and that frames without hits and resting contacts allocate nothing.
+// How much memory loading takes, how often a hit allocates, that frames without hits and resting contacts allocate nothing, and that nothing
+// is left of bodies that come and go.
 #include "heap.h"
 #include "support.h"
 
@@ -71,6 +72,34 @@ static void check_steady_frames(void) {
     OK(crumple_context_destroy(context));
 }
 
+// A body is hit, saved, loaded, repaired and destroyed, again and again beside one that stays.
+static void check_bodies_that_come_and_go(void) {
+    static float vertices[2][VERTICES][3];
+    CrumpleContext *context = make_context(1);
+    CrumpleExampleSet set;
+    unsigned char bytes[1024];
+    size_t size, before = 0;
+    OK(crumple_example_set_load_baked_memory(context, baked, baked_size, CRUMPLE_BYTES_COPY, &set));
+    const CrumpleInstance stays = make_instance(context, set);
+    make_buffer(context, stays, host_def(vertices[0], VERTICES, 3));
+    for (int round = 0; round < 600; ++round) {
+        const CrumpleHitDef hit = displacement_at((float)(round * 37 % 101) / 101 - 0.5f, 0.1f, 0.02f);
+        const CrumpleInstance body = make_instance(context, set);
+        make_buffer(context, body, host_def(vertices[1], VERTICES, 3));
+        OK(crumple_instance_submit_hit(context, body, &hit, NULL));
+        OK(crumple_context_deform(context, NULL, 0, NULL));
+        OK(crumple_instance_save_damage(context, body, bytes, sizeof bytes, &size));
+        OK(crumple_instance_load_damage(context, stays, bytes, size));
+        OK(crumple_context_deform(context, NULL, 0, NULL));
+        OK(crumple_instance_repair_around(context, stays, hit.point, 1, 0));
+        OK(crumple_context_deform(context, NULL, 0, NULL));
+        OK(crumple_instance_destroy(context, body));
+        if (round == 299) before = heap.peak = heap.bytes;
+        FACT(round < 300 || heap.bytes <= before);
+    }
+    OK(crumple_context_destroy(context));
+}
+
 // Once as many points came in a step, steps ask for no memory.
 static void check_resting_contacts(void) {
     CrumpleContext *context = make_context(1);
@@ -111,6 +140,7 @@ int main(void) {
     OK(crumple_context_destroy(context));
     check_peaks();
     check_steady_frames();
+    check_bodies_that_come_and_go();
     check_resting_contacts();
     FACT(heap.blocks == 0);
     printf("%u checks\n", checks);

@@ -203,17 +203,4 @@ static inline CrumpleHitDef displacement_at(float x, float y, float depth) {
     return def;
 }
 
-static unsigned long long dice_state = 1;
-
-static inline unsigned dice(unsigned below) {
-    dice_state = dice_state * 6364136223846793005ull + 1442695040888963407ull;
-    return (unsigned)(dice_state >> 33) % below;
-}
-
-// Somewhere on the sheet, 1 to 50 mm deep.
-static inline CrumpleHitDef random_displacement(void) {
-    const float x = (float)dice(1000) / 1000 - 0.5f, y = (float)dice(1000) / 1000 - 0.5f;
-    return displacement_at(x, y, 0.001f + (float)dice(100) / 2000);
-}
-
 #endif

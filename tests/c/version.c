@@ -17,16 +17,6 @@ int main(void) {
     FACT((crumple_features() & ~(uint64_t)(CRUMPLE_FEATURE_GLTF | CRUMPLE_FEATURE_OBJ | CRUMPLE_FEATURE_HOST_ALLOCATOR |
                                                   CRUMPLE_FEATURE_VULKAN)) == 0);
 
-    // Sizes that bindings in other languages count on.
-    FACT(sizeof(CrumpleResult) == 4 && sizeof(CrumpleExampleSet) == 8 && sizeof(CrumpleInstance) == 8);
-    FACT(sizeof(CrumpleBuffer) == 8 && sizeof(CrumpleVec3) == 12 && sizeof(CrumpleMark) == 32);
-    FACT(sizeof(CrumpleAttachment) == 48 && sizeof(CrumplePose) == 48 && sizeof(bool) == 1);
-    FACT(sizeof(CrumpleHitResult) == 112 || sizeof(void*) < 8);
-
-    // Defs carry their own sizes. The tests of C# compare all that C# has.
-    FACT(crumple_allocator_def_default().struct_size == sizeof(CrumpleAllocatorDef));
-    FACT(crumple_instance_def_default().struct_size == sizeof(CrumpleInstanceDef));
-
     // Results have names, and the first text is empty.
     FACT(strcmp(crumple_last_error(), "") == 0);
     for (int result = CRUMPLE_ERROR_NULL_POINTER; result <= CRUMPLE_ERROR_INTERNAL; ++result)

@@ -1,6 +1,5 @@
 // Whatever an engine hands to the Vulkan calls by mistake gets an error that names it, changes nothing, and all goes on. Layouts of
-// buffers that are refused are in tests/gpu/refusals.rs, other devices and recordings in tests/vulkan/errors.rs, other memory in
-// tests/vulkan/import.rs. Recordings without changes allocate nothing, and nothing is left behind.
+// buffers that are refused are in tests/gpu/refusals.rs, other devices and recordings in tests/vulkan/errors.rs. Recordings without changes allocate nothing, and nothing is left behind.
 #include "heap.h"
 #include "vulkan_support.h"
 
@@ -143,35 +142,98 @@ static void recordings(void) {
     OK(crumple_buffer_unregister(context, buffer));
 }
 
-// --- Shared memory needs a device of Crumple's own, which takes no frames of the host. vulkan_faults.c writes it.
+// --- Shared memory needs a device of Crumple's own, which takes no frames of the host. vulkan_faults.c writes it and waits.
 
 #ifdef SHARES_FILE_DESCRIPTORS
+#include <fcntl.h>
+
+// A semaphore of the host's; id is that of Crumple's device which is the same.
+static VkSemaphore make_semaphore(uint64_t *id) {
+    const VkExternalSemaphoreHandleTypeFlagBits type = VK_EXTERNAL_SEMAPHORE_HANDLE_TYPE_OPAQUE_FD_BIT;
+    const VkExportSemaphoreCreateInfo export = {.sType = VK_STRUCTURE_TYPE_EXPORT_SEMAPHORE_CREATE_INFO, .handleTypes = type};
+    const VkSemaphoreCreateInfo info = {.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO, .pNext = &export};
+    const PFN_vkGetSemaphoreFdKHR get = (PFN_vkGetSemaphoreFdKHR)vkGetDeviceProcAddr(host.device, "vkGetSemaphoreFdKHR");
+    VkSemaphoreGetFdInfoKHR which = {.sType = VK_STRUCTURE_TYPE_SEMAPHORE_GET_FD_INFO_KHR, .handleType = type};
+    int fd = -1;
+    VK(vkCreateSemaphore(host.device, &info, NULL, &which.semaphore));
+    VK(get(host.device, &which, &fd));
+    OK(crumple_vulkan_import_semaphore(context, CRUMPLE_HANDLE_TYPE_OPAQUE_FD, fd, id));
+    FACT(close(fd) == 0); // which is still the host's
+    return which.semaphore;
+}
+
+// The host signals, Crumple waits and signals, the host waits.
+static void written_between_semaphores(const HostBuffer *exported) {
+    uint64_t ready_id, done_id, frame;
+    const VkSemaphore ready = make_semaphore(&ready_id), done = make_semaphore(&done_id);
+    const VkPipelineStageFlags stages = VK_PIPELINE_STAGE_ALL_COMMANDS_BIT;
+    const VkSubmitInfo before = {.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .signalSemaphoreCount = 1, .pSignalSemaphores = &ready};
+    const VkSubmitInfo after = {
+        .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .waitSemaphoreCount = 1, .pWaitSemaphores = &done, .pWaitDstStageMask = &stages};
+    for (int round = 0; round < 3; ++round) {
+        const CrumpleHitDef hit = displacement_at(0.1f * (float)round, 0.1f, 0.03f);
+        OK(crumple_instance_submit_hit(context, body, &hit, NULL));
+        VK(vkQueueSubmit(host.queue, 1, &before, VK_NULL_HANDLE));
+        OK(crumple_vulkan_submit(context, NULL, 0, &ready_id, 1, &done_id, 1, &frame, NULL));
+        VK(vkQueueSubmit(host.queue, 1, &after, VK_NULL_HANDLE));
+        VK(vkQueueWaitIdle(host.queue)); // the host's queue alone
+        expect_vertices(&host, exported, context, body);
+    }
+    bool is_done = false;
+    OK(crumple_vulkan_wait_frame(context, frame, UINT64_MAX, &is_done));
+    FACT(is_done);
+    vkDestroySemaphore(host.device, ready, NULL);
+    vkDestroySemaphore(host.device, done, NULL);
+}
+
 static void shared_memory(void) {
-    const char *open = "crumple_vulkan_open", *attach = "crumple_vulkan_attach";
+    const char *opens = "crumple_vulkan_open", *attach = "crumple_vulkan_attach";
     CrumpleVulkanOpenDef own = crumple_vulkan_open_def_default();
     CrumpleVulkanAttachDef theirs = vulkan_def(&host);
     CrumpleVulkanImportDef import, bad;
     CrumpleBuffer buffer;
     uint64_t imported, frame, semaphore = 7;
     bool done = false;
-    HostBuffer exported = make_exported(&host, &import);
-    FAILS_KEEPING(INVALID, open, imported, crumple_vulkan_import_buffer(context, &import, &imported));
-    FAILS_KEEPING(INVALID, open, frame, crumple_vulkan_submit(context, NULL, 0, NULL, 0, NULL, 0, &frame, NULL));
+    HostBuffer exported = make_exported(&host, false, &import);
+    FAILS_KEEPING(INVALID, opens, imported, crumple_vulkan_import_buffer(context, &import, &imported));
+    FAILS_KEEPING(INVALID, opens, frame, crumple_vulkan_submit(context, NULL, 0, NULL, 0, NULL, 0, &frame, NULL));
     OK(crumple_vulkan_attach(context, &theirs));
-    FAILS_KEEPING(INVALID, open, imported, crumple_vulkan_import_buffer(context, &import, &imported));
-    FAILS_KEEPING(INVALID, open, done, crumple_vulkan_wait_frame(context, 0, 0, &done));
+    FAILS_KEEPING(INVALID, opens, imported, crumple_vulkan_import_buffer(context, &import, &imported));
+    FAILS_KEEPING(INVALID, opens, done, crumple_vulkan_wait_frame(context, 0, 0, &done));
     FAILS(INVALID, "attached already", crumple_vulkan_open(context, &own));
     OK(crumple_vulkan_detach(context));
     FAILS(NULL_POINTER, "get_instance_proc_addr", crumple_vulkan_open(context, &own));
     own.get_instance_proc_addr = (CrumpleVulkanFunction)vkGetInstanceProcAddr;
+    memset(own.device_uuid, 0xEE, sizeof own.device_uuid);
+    FAILS(CRUMPLE_ERROR_UNSUPPORTED, host.name, crumple_vulkan_open(context, &own));
     device_uuid(&host, own.device_uuid);
     own.workgroup_size = 64;
     OK(crumple_vulkan_open(context, &own));
     FAILS(INVALID, "attached already", crumple_vulkan_attach(context, &theirs));
 
-    bad = import;
-    bad.handle = 1LL << 40;
-    FAILS_KEEPING(INVALID, "open file descriptor", imported, crumple_vulkan_import_buffer(context, &bad, &imported));
+#define REFUSED(result, part, change)                                                                                  \
+    do {                                                                                                               \
+        bad = import;                                                                                                  \
+        change;                                                                                                        \
+        FAILS_KEEPING(result, part, imported, crumple_vulkan_import_buffer(context, &bad, &imported));                 \
+    } while (0)
+    int pipes[2];
+    const int root = open("/", O_RDONLY), small = open("/proc/self/cmdline", O_RDONLY);
+    FACT(pipe(pipes) == 0 && root >= 0 && small >= 0);
+    REFUSED(INVALID, "open file descriptor", bad.handle = 1LL << 40);
+    REFUSED(INVALID, "open file descriptor", bad.handle = -1);
+    REFUSED(INVALID, "pipe", bad.handle = pipes[0]);
+    REFUSED(INVALID, "folder", bad.handle = root);
+    REFUSED(INVALID, "a file of", bad.handle = small);
+    REFUSED(CRUMPLE_ERROR_UNSUPPORTED, "file descriptors", bad.handle_type = CRUMPLE_HANDLE_TYPE_OPAQUE_WIN32);
+    REFUSED(INVALID, "memory type", bad.memory_type = 31);
+    REFUSED(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "imported memory", bad.size = UINT64_MAX);
+    REFUSED(CRUMPLE_ERROR_BUFFER_TOO_SMALL, "imported memory", bad.offset = bad.memory_size);
+    REFUSED(CRUMPLE_ERROR_MISALIGNED, "offset", bad.offset = 1);
+    REFUSED(INVALID, "size", bad.size = 0);
+    REFUSED(INVALID, "STORAGE_BUFFER", bad.usage = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT);
+#undef REFUSED
+    close(pipes[0]), close(pipes[1]), close(root), close(small);
     FAILS(NULL_POINTER, "out_semaphore", crumple_vulkan_import_semaphore(context, CRUMPLE_HANDLE_TYPE_OPAQUE_FD, -1, NULL));
     // -1 is none, and some drivers have no external semaphores at all.
     FACT(crumple_vulkan_import_semaphore(context, CRUMPLE_HANDLE_TYPE_OPAQUE_FD, -1, &semaphore) != CRUMPLE_OK && semaphore == 7);
@@ -187,11 +249,13 @@ static void shared_memory(void) {
     FAILS_KEEPING(INVALID, "semaphore is 99", frame, crumple_vulkan_submit(context, NULL, 0, (uint64_t[]){99}, 1, NULL, 0, &frame, NULL));
     FAILS(INVALID, "frame is 9", crumple_vulkan_wait_frame(context, 9, 0, &done));
 
+    pass(&host, &exported, false);
+    if (exports_semaphores(&host)) written_between_semaphores(&exported);
     OK(crumple_buffer_unregister(context, buffer));
     OK(crumple_vulkan_unimport_buffer(context, imported));
     FAILS(INVALID, "buffer is", crumple_vulkan_unimport_buffer(context, imported));
     OK(crumple_vulkan_import_buffer(context, &import, &imported)); // left to the end of the context
-    close((int)import.handle);
+    FACT(close((int)import.handle) == 0); // which is still the host's
     host_destroy_buffer(&host, &exported);
 }
 #endif

@@ -162,7 +162,7 @@ static void begin(Scene *s, bool own) {
     host_open(&s->host);
     if (own) {
         open_exporting_device(&s->host);
-        s->vertices = make_exported(&s->host, &s->import);
+        s->vertices = make_exported(&s->host, true, &s->import);
     } else {
         s->vertices = make_vertices(&s->host);
     }

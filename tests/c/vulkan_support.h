@@ -84,15 +84,26 @@ static inline CrumpleRecordReport run_frame(const Host *host, CrumpleContext *co
 #ifdef SHARES_FILE_DESCRIPTORS
 #include <unistd.h>
 
-// The same host with another device, which can export memory.
+// Whether the driver exports semaphores.
+static inline bool exports_semaphores(const Host *host) {
+    const VkPhysicalDeviceExternalSemaphoreInfo info = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_EXTERNAL_SEMAPHORE_INFO,
+                                                        .handleType = VK_EXTERNAL_SEMAPHORE_HANDLE_TYPE_OPAQUE_FD_BIT};
+    VkExternalSemaphoreProperties found = {.sType = VK_STRUCTURE_TYPE_EXTERNAL_SEMAPHORE_PROPERTIES};
+    vkGetPhysicalDeviceExternalSemaphoreProperties(host->physical_device, &info, &found);
+    return (found.externalSemaphoreFeatures & VK_EXTERNAL_SEMAPHORE_FEATURE_EXPORTABLE_BIT) != 0;
+}
+
+// The same host with another device, which can export memory, and semaphores if the driver does.
 static inline void open_exporting_device(Host *host) {
+    static const char *const extensions[] = {VK_KHR_EXTERNAL_MEMORY_FD_EXTENSION_NAME, VK_KHR_EXTERNAL_SEMAPHORE_FD_EXTENSION_NAME};
     host_close_device(host);
-    host->extension = VK_KHR_EXTERNAL_MEMORY_FD_EXTENSION_NAME;
+    host->extensions = extensions;
+    host->extension_count = exports_semaphores(host) ? 2 : 1;
     host_open_device(host);
 }
 
-// A buffer that the CPU sees, in memory of its own that is exported; def is what Crumple must know of it.
-static inline HostBuffer make_exported(const Host *host, CrumpleVulkanImportDef *def) {
+// A buffer that the CPU sees, in exported memory that is dedicated to it or begins before it; def is what Crumple must know of it.
+static inline HostBuffer make_exported(const Host *host, bool dedicated, CrumpleVulkanImportDef *def) {
     HostBuffer made = {.size = GUARD + RANGE + GUARD, .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT};
     const VkExternalMemoryHandleTypeFlagBits type = VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD_BIT;
     const VkExternalMemoryBufferCreateInfo external = {.sType = VK_STRUCTURE_TYPE_EXTERNAL_MEMORY_BUFFER_CREATE_INFO,
@@ -102,18 +113,18 @@ static inline HostBuffer make_exported(const Host *host, CrumpleVulkanImportDef 
     VK(vkCreateBuffer(host->device, &info, NULL, &made.buffer));
     VkMemoryRequirements needs;
     vkGetBufferMemoryRequirements(host->device, made.buffer, &needs);
-    const VkMemoryDedicatedAllocateInfo dedicated = {.sType = VK_STRUCTURE_TYPE_MEMORY_DEDICATED_ALLOCATE_INFO,
-                                                     .buffer = made.buffer};
+    const VkDeviceSize offset = dedicated ? 0 : (GUARD + needs.alignment - 1) / needs.alignment * needs.alignment;
+    const VkMemoryDedicatedAllocateInfo alone = {.sType = VK_STRUCTURE_TYPE_MEMORY_DEDICATED_ALLOCATE_INFO, .buffer = made.buffer};
     const VkExportMemoryAllocateInfo export = {
-        .sType = VK_STRUCTURE_TYPE_EXPORT_MEMORY_ALLOCATE_INFO, .pNext = &dedicated, .handleTypes = type};
+        .sType = VK_STRUCTURE_TYPE_EXPORT_MEMORY_ALLOCATE_INFO, .pNext = dedicated ? &alone : NULL, .handleTypes = type};
     const VkMemoryPropertyFlags flags = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
     const VkMemoryAllocateInfo memory = {.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
                                          .pNext = &export,
-                                         .allocationSize = needs.size,
+                                         .allocationSize = offset + needs.size,
                                          .memoryTypeIndex = host_memory_type(host, needs.memoryTypeBits, flags)};
     VK(vkAllocateMemory(host->device, &memory, NULL, &made.memory));
-    VK(vkBindBufferMemory(host->device, made.buffer, made.memory, 0));
-    VK(vkMapMemory(host->device, made.memory, 0, VK_WHOLE_SIZE, 0, &made.data));
+    VK(vkBindBufferMemory(host->device, made.buffer, made.memory, offset));
+    VK(vkMapMemory(host->device, made.memory, offset, VK_WHOLE_SIZE, 0, &made.data));
     memset(made.data, 0xAB, (size_t)made.size);
     const PFN_vkGetMemoryFdKHR get = (PFN_vkGetMemoryFdKHR)vkGetDeviceProcAddr(host->device, "vkGetMemoryFdKHR");
     const VkMemoryGetFdInfoKHR which = {
@@ -122,11 +133,12 @@ static inline HostBuffer make_exported(const Host *host, CrumpleVulkanImportDef 
     VK(get(host->device, &which, &fd));
     *def = crumple_vulkan_import_def_default();
     def->handle = fd;
-    def->memory_size = needs.size;
+    def->memory_size = offset + needs.size;
+    def->offset = offset;
     def->memory_type = memory.memoryTypeIndex;
     def->usage = made.usage;
     def->size = made.size;
-    def->dedicated = true;
+    def->dedicated = dedicated;
     return made;
 }
 

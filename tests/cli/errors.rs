@@ -47,10 +47,7 @@ fn numbers_in_the_wrong_unit_are_warned_of() {
 fn files_that_are_missing_or_something_else() {
     let folder = Folder::empty();
     folder.write("i.json", GOOD);
-    let whole = std::fs::read(asset(PANEL)).expect("readable");
-    let files: [(&str, &[u8]); 2] = [("png.glb", b"\x89PNG"), ("half.glb", &whole[..whole.len() / 2])];
-    files.iter().for_each(|(name, bytes)| drop(folder.write(name, bytes)));
-    folder.write("empty.gltf", r#"{"asset": {"version": "2.0"}}"#);
+    folder.write("png.glb", b"\x89PNG");
     crumple(&["apply", PANEL, "--impacts", &folder.at("i.json"), "-o", &folder.at("dented.glb")]).report();
     let before = folder.names();
     for (words, parts) in [
@@ -62,8 +59,6 @@ fn files_that_are_missing_or_something_else() {
         ("info tests/fixtures/plate.obj --example none.obj", &["none.obj"]),
         ("info INpng.glb", &["png.glb", "neither a GLB", "a glTF"]),
         ("info INi.json", &["i.json holds no mesh", ".crumple"]),
-        ("info INhalf.glb", &["half.glb", "malformed"]),
-        ("info INempty.gltf", &["empty.gltf", "mesh"]),
         ("info INdented.glb", &["dented.glb", "morph target"]),
         ("info tests/fixtures/plate.obj", &["plate.obj", "--example"]),
         ("info PANEL --example a.obj", &["--example needs an OBJ base"]),
@@ -104,11 +99,8 @@ fn wrong_usage_is_exit_code_two() {
     for (words, part) in [
         ("dent", "dent"),
         ("info", "<FILE>"),
-        ("apply PANEL -o x.glb", "--impacts"),
         ("apply PANEL --impacts i.json -o x.glb --rule blend=2", "from 0 to 1"),
         ("apply PANEL --impacts i.json -o x.glb --rule sum", "marks, most-displaced or blend=K"),
-        ("apply PANEL --impacts i.json -o x.glb --threads -1", "-1"),
-        ("sample PANEL -o i.json --count 0", "--count"),
         ("apply PANEL --impacts i.json -o x.glb --size 320", "WIDTHxHEIGHT"),
         ("apply PANEL --impacts i.json -o x.glb --size 63x40", "from 64x40 to 8192x8192"),
         ("bake PANEL -o x.crumple --tolerance=1km", "'km'"),

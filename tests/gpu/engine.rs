@@ -150,7 +150,7 @@ pub struct Engine<'a> {
     pub extensions: Vec<&'static CStr>,
     pub on: &'a Instance,
     pub physical: vk::PhysicalDevice,
-    pub queue: vk::Queue,
+    queue: vk::Queue,
     pool: vk::CommandPool,
     fence: vk::Fence,
     buffers: RefCell<Vec<(vk::Buffer, vk::DeviceMemory)>>,
@@ -175,14 +175,6 @@ impl Seen {
     pub fn words(&self) -> &[u32] {
         // SAFETY: the whole buffer is mapped, and the tests wait before they look.
         unsafe { std::slice::from_raw_parts(self.data, self.size as usize / 4) }
-    }
-
-    /// Copies words to an offset in bytes.
-    pub fn write(&self, offset: u64, words: &[u32]) {
-        let at = offset as usize / 4;
-        // SAFETY: the whole buffer is mapped, and no frame is in flight.
-        let all = unsafe { std::slice::from_raw_parts_mut(self.data, self.size as usize / 4) };
-        all[at..at + words.len()].copy_from_slice(words);
     }
 
     pub fn poison(&self) {
@@ -227,10 +219,6 @@ impl<'a> Engine<'a> {
         }
     }
 
-    pub fn instance(&self) -> &ash::Instance {
-        &self.on.instance
-    }
-
     /// Whether the validation layer is there.
     pub fn validated(&self) -> bool {
         self.on.messenger.is_some()
@@ -247,12 +235,16 @@ impl<'a> Engine<'a> {
             let info = vk::MemoryAllocateInfo::default().allocation_size(needs.size).memory_type_index(kind);
             let memory = self.device.allocate_memory(&info, None).unwrap();
             self.device.bind_buffer_memory(handle, memory, 0).unwrap();
-            self.seen((handle, memory), (0, size))
+            let data = self.device.map_memory(memory, 0, size, vk::MemoryMapFlags::empty()).unwrap();
+            self.buffers.borrow_mut().push((handle, memory));
+            let seen = Seen { handle, size, data: data.cast() };
+            seen.poison();
+            seen
         }
     }
 
     /// A type of memory that the CPU sees.
-    pub fn memory_type(&self, needs: vk::MemoryRequirements) -> u32 {
+    fn memory_type(&self, needs: vk::MemoryRequirements) -> u32 {
         // SAFETY: a valid device.
         let types = unsafe { self.on.instance.get_physical_device_memory_properties(self.physical) };
         let visible = vk::MemoryPropertyFlags::HOST_VISIBLE | vk::MemoryPropertyFlags::HOST_COHERENT;
@@ -260,19 +252,6 @@ impl<'a> Engine<'a> {
             needs.memory_type_bits >> t & 1 == 1 && types.memory_types[*t as usize].property_flags.contains(visible)
         };
         (0..types.memory_type_count).find(fits).unwrap()
-    }
-
-    /// Maps a buffer at an offset of its memory, fills it with poison, and takes over both.
-    ///
-    /// # Safety
-    /// Both are valid, and the memory is visible to the host.
-    pub unsafe fn seen(&self, both: (vk::Buffer, vk::DeviceMemory), (offset, size): (u64, u64)) -> Seen {
-        // SAFETY: the caller's.
-        let data = unsafe { self.device.map_memory(both.1, offset, size, vk::MemoryMapFlags::empty()) }.unwrap();
-        self.buffers.borrow_mut().push(both);
-        let seen = Seen { handle: both.0, size, data: data.cast() };
-        seen.poison();
-        seen
     }
 
     pub fn begin(&self, level: vk::CommandBufferLevel) -> vk::CommandBuffer {
@@ -314,18 +293,13 @@ impl<'a> Engine<'a> {
         }
         t
     }
-
-    pub fn wait(&self) {
-        // SAFETY: a valid device.
-        unsafe { self.device.device_wait_idle() }.unwrap();
-    }
 }
 
 impl Drop for Engine<'_> {
     fn drop(&mut self) {
-        self.wait();
         // SAFETY: nothing uses them any more.
         unsafe {
+            self.device.device_wait_idle().unwrap();
             for (buffer, memory) in self.buffers.take() {
                 self.device.destroy_buffer(buffer, None);
                 self.device.free_memory(memory, None);

@@ -30,7 +30,6 @@ fn targets_that_will_not_do_are_refused() {
         no(Def { lod: 1, ..good }, IndexOutOfRange, &["1"]);
         no(Def { offset: 2, size: 4, ..good }, Misaligned, &["target's offset", "2"]);
         no(Def { offset: 8, ..good }, BufferTooSmall, &["buffer"]);
-        no(Def { offset: u64::MAX - 3, ..good }, BufferTooSmall, &["buffer"]);
         no(Def { size: layout.size - 8, ..good }, BufferTooSmall, &["tangent"]);
         let with = |change: fn(&mut Stream)| {
             let mut positions = good.positions;
@@ -40,9 +39,7 @@ fn targets_that_will_not_do_are_refused() {
         no(with(|s| s.stride = 50), Misaligned, &["position stride", "50", "4"]);
         no(with(|s| s.offset = 3), Misaligned, &["position offset", "3"]);
         no(with(|s| s.stride = 8), InvalidArgument, &["position stride", "8", "12"]);
-        no(with(|s| s.stride = 0), InvalidArgument, &["position stride", "0", "12"]);
         no(with(|s| s.stride = 1 << 40), InvalidArgument, &["position stride"]);
-        no(with(|s| s.offset = 1 << 40), BufferTooSmall, &["position"]);
         no(with(|s| s.offset += 8), InvalidArgument, &["position", "normal"]);
         let (bad, floats) = BAD_POSITION;
         let bad_name = format!("{bad:?}");

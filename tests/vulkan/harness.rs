@@ -15,12 +15,7 @@ pub const HOST: Access = Access { stages: vk::PipelineStageFlags::HOST, access: 
 
 /// Runs a test on each device there is, and fails if validation reports anything.
 pub fn on_each_device(test: impl Fn(&Engine)) {
-    on_each_device_with(&[], test);
-}
-
-/// The same, with the extensions of this list that the device has.
-pub fn on_each_device_with(extensions: &[&'static CStr], test: impl Fn(&Engine)) {
-    let device_extensions = &|_: &_, _| extensions.to_vec();
+    let device_extensions = &|_: &_, _| Vec::new();
     let api_version = vk::API_VERSION_1_1;
     on_each_engine(&Needs { api_version, validation: true, instance_extensions: &[], device_extensions }, test);
 }

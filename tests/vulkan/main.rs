@@ -13,7 +13,6 @@ mod spirv;
 mod errors;
 mod frames;
 mod graph;
-mod import;
 
 /// What the build does to SPIR-V: no access chain continues another, and no operation may be contracted.
 #[test]

@@ -23,7 +23,6 @@ mod python;
 mod reference;
 mod repo;
 mod rooms;
-mod soak;
 mod source;
 mod stage;
 mod target;
@@ -109,8 +108,6 @@ enum Command {
     Lab(lab::Options),
     /// Measure fixed workloads and references in the same run; write docs/bench
     Bench(lab::BenchOptions),
-    /// Hit, deform, save and repair bodies for hours; fail if memory grows or vertices drift, or measure how long calls take
-    Soak(soak::Options),
     /// Run info, bake, sample and apply over a folder of glTF and OBJ files, and compare everything that no dent reached
     Sweep {
         /// The folder. An OBJ's examples are the files beside it whose names begin with its name and _
@@ -168,7 +165,6 @@ fn run(command: Command) -> Result<()> {
         Command::Schedules => nightly::schedules(),
         Command::Lab(options) => lab::run(&options),
         Command::Bench(options) => lab::bench(&options),
-        Command::Soak(options) => soak::run(&options),
         Command::Sweep { folder, options } => {
             let test = workspace::cargo(&["test", "--quiet", "--package", "crumple", "--features", "cli"]);
             exports::sweep(test, &folder, &options.join(" "))

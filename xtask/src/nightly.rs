@@ -14,7 +14,7 @@ const INTERPRETED: [&str; 3] = ["base::", "capi::boundary", "capi::tests::memory
 
 /// C programs and their arguments. Those that need C++, Vulkan or another library are left out: what uninstrumented libraries write
 /// would be reported.
-const C_PROGRAMS: &str = "allocator, bad_input, bodies, buffers, files FIXTURES ., memory, soak 2, threads, times 300";
+const C_PROGRAMS: &str = "allocator, bad_input, bodies, files FIXTURES ., memory, threads";
 
 /// What installs the toolchain.
 const INSTALL: &str = "rustup toolchain install nightly --component rust-src,miri";

@@ -28,7 +28,7 @@ const QUESTIONS: &[Question] = &[
 ];
 
 /// The C programs that are left out under qemu, where they take minutes: they build sets or deform thousands of times.
-const SLOW: &str = "^(allocator|allocator_static|job_system|many_instances|refusals|times)$";
+const SLOW: &str = "^(allocator|allocator_static|job_system|many_instances|refusals)$";
 
 /// A system and the program that runs its programs here, with arguments.
 struct Platform {

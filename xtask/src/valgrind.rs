@@ -6,11 +6,11 @@ use crate::prelude::*;
 const UNSAFE: &[&str] = &["base::", "deform::", "capi::"];
 /// Rust test programs that reach this code from other rooms. Of these only the tests named `quick_…` run: the others make thousands of
 /// hits and would take hours. Those of the promises build a set in every case, which takes half an hour there, and call nothing else.
-const IN_PART: &[&str] = &["--test=contacts", "--test=oracle_rules", "--test=paper_equations"];
+const IN_PART: &[&str] = &["--test=contacts", "--test=oracle_rules"];
 
 /// C programs that do not run under valgrind. A driver takes a minute there to compile the kernels, and the programs that remain make
 /// every call to it. Others build sets very often, or differ by how they are linked.
-const SLOW: &str = "^(vulkan_(faults|times)_|(refusals|allocator_static)$)";
+const SLOW: &str = "^(vulkan_faults_|(refusals|allocator_static)$)";
 
 pub fn c() -> Result<()> {
     let (run, prefix) = (Run::new("c", "definite,possible")?, install::release_prefix()?);

@@ -146,7 +146,7 @@ pub fn copy_licenses(to: &Path) -> Result<()> {
 /// out the features that dev-dependencies enable, and the next test would build everything again.
 pub fn build_as_tested(arguments: &[&str]) -> Cmd<'static> {
     let tested = if all() { ALL_TESTED } else { TESTED }.split(' ');
-    cmd!("cargo build {tested...} {arguments...} --test paper_equations")
+    cmd!("cargo build {tested...} {arguments...} --test widths")
 }
 
 /// `cargo test` of the Rust code, or of the part that `arguments` choose. A test program that fails does not hide the others.
