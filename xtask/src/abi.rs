@@ -1,6 +1,15 @@
 //! The binary interface: what the library exports, and what programs built against the last release rely on (`docs/abi.md`).
 
-use crate::prelude::*;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail, ensure};
+use object::Object;
+
+use crate::declarations::{self, INCLUDE, Item};
+use crate::files::{bytes, files_of, read, write};
+use crate::stage::LeftOut;
+use crate::workspace::{VERSION, run};
 
 /// Differences that abidiff does not report.
 const SUPPRESSED: &str = "tests/abi/abidiff.suppressions";

@@ -1,6 +1,11 @@
 //! Builds the `crumple` command.
 
-use crate::prelude::*;
+use std::path::PathBuf;
+
+use anyhow::Result;
+
+use crate::target::Target;
+use crate::workspace::build_as_tested;
 
 /// The features of the released command, beside the default ones.
 pub const FEATURES: &str = "cli,wgpu";

@@ -1,8 +1,16 @@
 //! Tests of the C# layer above the generated declarations, under Mono.
 
-use crate::declarations::csharp::{HEADERS, pascal};
-use crate::prelude::*;
 use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+
+use crate::declarations::csharp::{HEADERS, pascal};
+use crate::declarations::{self, Form, INCLUDE, Item};
+use crate::files::{empty, files_of, read, write};
+use crate::install;
+use crate::workspace::{VERSION, cmd, in_root, in_target, run, said};
 
 const RUNTIME: &str = "bindings/unity/Runtime";
 const TESTS: &str = "tests/csharp";

@@ -1,12 +1,15 @@
 //! Reads the headers: the few forms of C that cbindgen writes, with their comments. Any other line is an error, so no declaration can
 //! be missing from what is generated.
 
-use crate::prelude::*;
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::sync::LazyLock;
+
+use anyhow::{Context, Result, bail, ensure};
+use regex_lite::{Captures, Regex};
 
 pub mod csharp;
 pub mod python;
-
-use std::sync::LazyLock;
 
 pub const INCLUDE: &str = "include";
 /// The headers, each after those that it includes: the first words of the parts of that file.

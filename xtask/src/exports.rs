@@ -2,7 +2,14 @@
 //! check our files. A plate with two dents goes through the exporters of Blender, three.js, assimp, trimesh and Godot, and what they
 //! wrote is swept. Each program is installed in one pinned version below the target directory.
 
-use crate::prelude::*;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Result, ensure};
+use xshell::Cmd;
+
+use crate::files::{empty, files, make};
+use crate::workspace::{cmd, in_root, in_target, silent, tests};
+use crate::{blender, command, godot, node, python};
 
 const SCRIPTS: &str = "tests/exporters";
 const THREE: &str = "three@0.187.0";
@@ -21,7 +28,7 @@ pub fn opened_by_blender() -> Result<()> {
 
 /// The validator finds no error and no warning in the same files.
 pub fn valid() -> Result<()> {
-    tools::validate(&exported()?)
+    node::validate(&exported()?)
 }
 
 /// What the exporter's tests write, and a body that the command dented.
@@ -53,7 +60,7 @@ pub fn sweep(test: Cmd, folder: &Path, options: &str) -> Result<()> {
 /// Each program writes into a folder of its own. All but Blender read what Blender wrote.
 fn export(exports: &Path) -> Result<()> {
     let (blender, trimesh) = (blender::module(blender::NEWEST)?, python::tested_environment()?);
-    let (modules, godot) = (tools::npm(&in_target("three"), &[THREE])?, godot::engine()?);
+    let (modules, godot) = (node::modules(&in_target("three"), &[THREE])?, godot::engine()?);
     ["assimp", "godot"].iter().try_for_each(|name| make(exports.join(name)))?;
     let plain = exports.join("blender/plain.glb");
     cmd!("{blender} {SCRIPTS}/blender.py {exports}/blender").ignore_stdout().ignore_stderr().run()?;

@@ -1,6 +1,11 @@
 //! What many stages do with files and folders. Errors name the path.
 
-use crate::prelude::*;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
+
+use crate::workspace::{git, sh};
 
 /// The folder, emptied or created.
 pub fn empty<P: AsRef<Path>>(folder: P) -> Result<P> {
@@ -102,6 +107,17 @@ pub fn copy_into(file: impl AsRef<Path>, folder: &Path) -> Result<()> {
 pub fn copy_tree(from: impl AsRef<Path>, to: &Path) -> Result<()> {
     let from = from.as_ref();
     files(from)?.iter().try_for_each(|file| copy(file, &to.join(within(from, file)?)))
+}
+
+/// Copies those files of `parts` of a folder into another that git does not ignore.
+pub fn copy_sources(folder: &str, parts: &[&str], to: &Path) -> Result<()> {
+    let list = ["-C", folder, "ls-files", "--cached", "--others", "--exclude-standard", "--"];
+    let listed = git(&[&list[..], parts].concat())?;
+    listed.lines().try_for_each(|name| copy(Path::new(folder).join(name), &to.join(name)))
+}
+
+pub fn copy_licenses(to: &Path) -> Result<()> {
+    ["LICENSE-MIT", "LICENSE-APACHE"].iter().try_for_each(|license| copy_into(license, to))
 }
 
 /// Two folders hold the same files with the same bytes. Returns how many.

@@ -1,6 +1,16 @@
 //! Coverage-guided fuzzing on the stable toolchain. Code generation flags switch on the compiler's coverage pass.
 
-use crate::prelude::*;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Result, ensure};
+use clap::Args;
+
+use crate::files::{copy_into, empty, files, make, read, within};
+use crate::vulkan;
+use crate::workspace::{cmd, in_root, in_target, jobs, run, rustc_says, side_by_side};
 
 /// Instruments the code for libFuzzer's coverage.
 const COVERAGE: &str = "--cfg=fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 \

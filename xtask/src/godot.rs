@@ -2,8 +2,22 @@
 //! and Mesa's driver are packages of Debian sid, unpacked below the target directory beside the system. Another engine may be named by
 //! `CRUMPLE_GODOT`.
 
-use crate::prelude::*;
 use std::net::UdpSocket;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, ensure};
+use clap::Args;
+use xshell::{Cmd, PushEnv};
+
+use crate::files::{copy, copy_into, copy_licenses, copy_sources, copy_tree, empty, read, write};
+use crate::package::{archive, licenses, markdown, nothing_of_this_machine};
+use crate::stage::all_passed;
+use crate::target::{Target, WINDOWS};
+use crate::tools::{self, MINGW, WINDOWS_RUST};
+use crate::wine::Display;
+use crate::workspace::{Background, VERSION, cmd, ended, in_root, in_target, sh};
+use crate::{car, debian, vulkan};
 
 const BINDING: &str = "bindings/godot";
 const PROJECT: &str = "bindings/godot/project";

@@ -1,9 +1,13 @@
 //! The headers, which cbindgen writes from the sources of `src/capi`, and the C# and Python declarations made from them: committed,
 //! and compared in CI.
 
-use crate::declarations::{PARTS, csharp, python, wrapped};
-use crate::prelude::*;
+use anyhow::{Context, Result, anyhow, bail};
+use regex_lite::Regex;
 use similar::TextDiff;
+
+use crate::declarations::{self, HEADERS, INCLUDE, PARTS, csharp, python, wrapped};
+use crate::files::{read, write};
+use crate::workspace::in_root;
 
 /// The last line of an opening comment.
 const GENERATED: &str =

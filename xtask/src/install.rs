@@ -10,8 +10,20 @@
 //!
 //! On Windows the shared library is PREFIX/bin/crumple.dll, and programs link PREFIX/lib/crumple.dll.lib.
 
-use crate::prelude::*;
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::sync::atomic::Ordering::Relaxed;
+
+use anyhow::{Context, Result, ensure};
+use object::Object;
+
+use crate::declarations::INCLUDE;
+use crate::files::{bytes, copy, copy_into, copy_licenses, copy_tree, empty, make, read, write};
+use crate::target::Target;
+use crate::workspace::{VERSION, build_as_tested, cargo_anywhere, cmd, in_root, in_target, run, rustc, said};
+use crate::{abi, command};
 
 pub struct Flavour {
     pub name: &'static str,

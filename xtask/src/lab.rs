@@ -3,7 +3,20 @@
 //! layer: Jolt on the demo's hood, and Rapier, Bullet and Jolt on the truths' hits, which the programs of lab/throws throw. The lab's
 //! tests have Rapier in scenes of its own.
 
-use crate::prelude::*;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::{Context, Result, ensure};
+use clap::Args;
+
+use crate::files::{empty, write};
+use crate::install::{self, SLIM};
+use crate::native::{self, Build};
+use crate::python;
+use crate::stage::all_passed;
+use crate::target::Target;
+use crate::tools::{BULLET, PYTHON3};
+use crate::workspace::{build_as_tested, cargo, cargo_anywhere, cmd, in_root, in_target, jobs, packages, run};
 
 #[derive(Args)]
 pub struct Options {

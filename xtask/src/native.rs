@@ -1,6 +1,18 @@
 //! Tests of the installed C library by C and C++ programs, plain and under gcc's sanitizers.
 
-use crate::prelude::*;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Result, ensure};
+use regex_lite::Regex;
+
+use crate::declarations::INCLUDE;
+use crate::files::{copy_into, empty, files, read};
+use crate::stage::all_passed;
+use crate::target::Target;
+use crate::tools::{BULLET, ODE, PNG, Tool, VULKAN, VULKAN_HEADERS};
+use crate::workspace::{all, cmd, in_root, in_target, jobs, said, sh, silent};
+use crate::{abi, install, vulkan};
 
 /// CMake projects whose programs are tests, each with the name of its build directory.
 pub const OURS: &[(&str, &str)] = &[("examples-c", "examples-c"), ("tests/c", "tests-c")];

@@ -1,7 +1,18 @@
 //! `cargo xtask package`: release archives, `crumple-VERSION-TARGET[-slim].tar.gz` (`.zip` on Windows), each with its debug symbols
 //! in an archive beside it. The same libraries give the same bytes.
 
-use crate::prelude::*;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Result, ensure};
+use clap::Args;
+use memchr::memmem;
+
+use crate::files::{bytes, copy_into, empty, files, name};
+use crate::install::{self, Built, FULL, SLIM};
+use crate::target::{Target, WINDOWS};
+use crate::tools;
+use crate::wine::Wine;
+use crate::workspace::{VERSION, cargo_home, in_root, in_target, root, sysroot, target_folder};
 
 pub mod archive;
 mod check;

@@ -2,7 +2,20 @@
 //! there must equal, byte for byte, what it writes here; the golden hashes of `promises` hold the rest. Vulkan under Wine uses this
 //! machine's drivers.
 
-use crate::prelude::*;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
+use regex_lite::Regex;
+
+use crate::declarations::{self, HEADERS, INCLUDE};
+use crate::files::{copy_into, empty, same_files, write};
+use crate::install::{self, Built, FULL};
+use crate::native::{self, Build};
+use crate::stage::all_passed;
+use crate::target::{AARCH64, I686, Target, WINDOWS, launch};
+use crate::wine::Wine;
+use crate::workspace::{in_root, in_target, run, sh};
+use crate::{abi, command, package, vulkan};
 
 /// Features of the build whose library, command and tests are all used.
 const FEATURES: &str = "cli,host-allocator";

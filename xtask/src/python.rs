@@ -1,6 +1,15 @@
 //! Python: builds and tests the package as a wheel in environments below the target directory.
 
-use crate::prelude::*;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+
+use crate::files::{announce, copy, copy_into, copy_sources, empty, files, read, write};
+use crate::stage::LeftOut;
+use crate::target::Target;
+use crate::tools::{self, PYTHON3, PYTHON311, Tool};
+use crate::workspace::{in_root, in_target, jobs, run, sh, silent};
+use crate::{install, package};
 
 const PACKAGE: &str = "bindings/python";
 /// What the package's tests need, pinned.

@@ -1,6 +1,13 @@
 //! `docs/reference.md` of an archive: the C interface as a page, made of the headers' comments.
 
-use crate::prelude::*;
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use regex_lite::{Captures, Regex};
+
+use crate::declarations::{self, HEADERS, Item};
+use crate::files::read;
 
 pub const PAGE: &str = "docs/reference.md";
 const OPENING: &str = "# The C interface

@@ -1,7 +1,14 @@
 //! `cargo xtask soak`: hours of random hits and frames through the C interface (tests/c/soak.c), or how long very many of them take
 //! (tests/c/times.c, tests/c/vulkan_times.c).
 
-use crate::prelude::*;
+use std::path::Path;
+
+use anyhow::Result;
+use clap::Args;
+
+use crate::install;
+use crate::native::{self, Build};
+use crate::workspace::{cmd, in_target, jobs};
 
 #[derive(Args)]
 pub struct Options {

@@ -1,6 +1,14 @@
 //! The ways to build the library from its source: the CMake project, the Conan recipe, and the crate as crates.io gets it.
 
-use crate::prelude::*;
+use std::path::Path;
+
+use anyhow::Result;
+
+use crate::files::{copy_tree, empty, same_files, write};
+use crate::package::CLIENT;
+use crate::tools::PYTHON3;
+use crate::workspace::{anywhere, cargo, cmd, in_target, root, sh, silent, target_folder};
+use crate::{install, python};
 
 const REQUIREMENTS: &str = "xtask/package/requirements.txt";
 

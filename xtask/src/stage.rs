@@ -1,9 +1,15 @@
 //! Stages of `cargo xtask test` and `cargo xtask ci`. Every stage runs, and a table at the end says how each one ended and how long
 //! it took.
 
-use crate::prelude::*;
 use std::fmt;
 use std::panic::catch_unwind;
+use std::process::{Command, Stdio};
+use std::time::Instant;
+
+use anyhow::{Result, anyhow, bail, ensure};
+
+use crate::tools::{self, Tool};
+use crate::workspace::{Background, all, in_target, sh};
 
 pub struct Stage {
     pub name: &'static str,

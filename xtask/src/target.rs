@@ -1,6 +1,13 @@
 //! The system that a library is built for: this machine's, or one of those that this machine only compiles for.
 
-use crate::prelude::*;
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use regex_lite::Regex;
+use xshell::Cmd;
+
+use crate::files::read;
+use crate::workspace::{anywhere, cargo_anywhere, cmd, in_target, rustc_says, sysroot, target_folder};
 
 pub const WINDOWS: &str = "x86_64-pc-windows-gnu";
 pub const AARCH64: &str = "aarch64-unknown-linux-gnu";

@@ -1,6 +1,19 @@
 //! `cargo xtask test` and `cargo xtask ci`: the list of test stages, and which stages a command runs.
 
-use crate::prelude::*;
+use anyhow::{Result, ensure};
+use clap::Args;
+
+use crate::stage::{self, Rules, Stage, all_passed, stages, unless};
+use crate::tools::{
+    AARCH64_CC, AARCH64_RUST, ABIGAIL, ASSIMP, BLENDER_LIBRARIES, BULLET, CC, CHROMIUM, CMAKE, CXX, FOR_WINDOWS,
+    I686_CC, I686_RUST, LLVM, MONO, NPM, ODE, PKG_CONFIG, PNG, PYTHON3, PYTHON311, QEMU, SWIFTSHADER, VALGRIND, VULKAN,
+    VULKAN_HEADERS, WEB_RUST, XVFB,
+};
+use crate::workspace::{all, cargo, in_root, test_all, tests};
+use crate::{
+    abi, blender, car, csharp, exports, fuzz, godot, header, lab, native, nightly, package, platforms, python, repo,
+    rooms, source, valgrind, vulkan, web,
+};
 
 #[derive(Args, Default)]
 pub struct Options {

@@ -1,6 +1,13 @@
 //! Programs and libraries that the tests need beside Rust. `provide` finds them, and installs missing ones if it may.
 
-use crate::prelude::*;
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use anyhow::{Result, ensure};
+
+use crate::target::{AARCH64, I686, Target, WEB, WINDOWS};
+use crate::wine;
+use crate::workspace::{cmd, said, silent};
 
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub struct Tool {
@@ -32,7 +39,6 @@ macro_rules! tools {
 }
 
 const FOR_RUST: &str = "rustc-web cargo-web rust-web-src";
-const VALIDATOR: &str = "gltf-validator@2.0.0-dev.3.10";
 pub const SWIFTSHADER_LIBRARY: &str = "/usr/lib/chromium/libvk_swiftshader.so";
 
 tools! {
@@ -159,30 +165,6 @@ pub fn advice(missing: &[Tool]) -> String {
 
 fn packages_of(tools: &[Tool]) -> Vec<&'static str> {
     tools.iter().flat_map(|tool| tool.packages.split(' ')).collect::<BTreeSet<_>>().into_iter().collect()
-}
-
-/// Installs packages of npm, `NAME@VERSION`, below a folder that has nothing else, if they are not there. Returns their folder.
-pub fn npm(directory: &Path, packages: &[&str]) -> Result<PathBuf> {
-    let modules = directory.join("node_modules");
-    let name = |package: &str| package.split('@').next().unwrap_or_default().to_owned();
-    if !packages.iter().all(|package| modules.join(name(package)).is_dir()) {
-        empty(directory)?;
-        let install = ["install", "--loglevel=error", "--no-audit", "--no-fund", "--prefix"];
-        let installed = cmd!("npm {install...} {directory} {packages...}").run();
-        installed.with_context(|| {
-            let packages = packages.join(" ");
-            LeftOut::Missing(format!("packages of npm cannot be had; to see why: npm install {packages}"))
-        })?;
-    }
-    Ok(modules)
-}
-
-/// The Khronos glTF validator finds no error and no warning in `files`.
-pub fn validate(files: &[PathBuf]) -> Result<()> {
-    let modules = npm(&in_target("validator"), &[VALIDATOR])?;
-    run!("node tests/validate_gltf.js {modules} {files...}")?;
-    println!("the validator finds nothing in {} files", files.len());
-    Ok(())
 }
 
 /// What `apt-get` is called with: nothing as root, or a sudo that needs no password. `None` if there is neither, or no `apt-get`.

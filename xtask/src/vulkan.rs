@@ -1,6 +1,13 @@
 //! Runs the Vulkan and wgpu tests under validation on Mesa's lavapipe and, with `--all`, on SwiftShader from Debian's Chromium.
 
-use crate::prelude::*;
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+
+use crate::files::{files, name, write};
+use crate::stage::all_passed;
+use crate::tools::{SWIFTSHADER, SWIFTSHADER_LIBRARY};
+use crate::workspace::{all, in_target, tests};
 
 const MANIFESTS: &str = "/usr/share/vulkan/icd.d";
 

@@ -1,8 +1,16 @@
 //! Wine, which runs programs for Windows. It has a folder of its own below the target directory, and a display without a
 //! screen. Its server and the display end with the stage.
 
-use crate::prelude::*;
 use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use anyhow::{Context, Result};
+use xshell::PushEnv;
+
+use crate::files::{empty, make};
+use crate::target::{Target, WINDOWS};
+use crate::workspace::{Background, cmd, in_target, run, sh};
 
 /// Where distributions put it. Debian has it outside of PATH.
 pub const PROGRAMS: &[&str] = &["/usr/lib/wine/wine64", "/usr/bin/wine64", "/usr/bin/wine"];

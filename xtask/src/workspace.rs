@@ -1,9 +1,12 @@
 //! The repository: its root, in which everything runs, its target directory, and the ways to call Cargo and other programs.
 
-use crate::prelude::*;
 use std::ffi::OsString;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus};
 use std::sync::atomic::{AtomicBool, Ordering};
+
+use anyhow::{Context, Result, ensure};
+use serde_json::Value;
 use xshell::{Cmd, Shell};
 
 /// Version of the `crumple` package, the same for every member.
@@ -63,17 +66,17 @@ macro_rules! cmd {
 }
 macro_rules! run {
     ($command:literal) => {
-        cmd!($command).quiet().run().map_err(anyhow::Error::from)
+        $crate::workspace::cmd!($command).quiet().run().map_err(anyhow::Error::from)
     };
 }
 macro_rules! silent {
     ($command:literal) => {
-        cmd!($command).quiet().ignore_stdout().run().map_err(anyhow::Error::from)
+        $crate::workspace::cmd!($command).quiet().ignore_stdout().run().map_err(anyhow::Error::from)
     };
 }
 macro_rules! said {
     ($command:literal) => {
-        cmd!($command).quiet().read().map_err(anyhow::Error::from)
+        $crate::workspace::cmd!($command).quiet().read().map_err(anyhow::Error::from)
     };
 }
 pub(crate) use {cmd, run, said, silent};
@@ -129,17 +132,6 @@ pub fn git(arguments: &[&str]) -> Result<String> {
     // Another user may own the checkout.
     let trusted = "safe.directory=*";
     said!("git -c {trusted} {arguments...}").context("this needs a git checkout: it takes what git tracks")
-}
-
-/// Copies those files of `parts` of a folder into another that git does not ignore.
-pub fn copy_sources(folder: &str, parts: &[&str], to: &Path) -> Result<()> {
-    let list = ["-C", folder, "ls-files", "--cached", "--others", "--exclude-standard", "--"];
-    let listed = git(&[&list[..], parts].concat())?;
-    listed.lines().try_for_each(|name| copy(Path::new(folder).join(name), &to.join(name)))
-}
-
-pub fn copy_licenses(to: &Path) -> Result<()> {
-    ["LICENSE-MIT", "LICENSE-APACHE"].iter().try_for_each(|license| copy_into(license, to))
 }
 
 /// `cargo build` with the features of the tests; `arguments` choose what to build. A test is built along: without one Cargo leaves

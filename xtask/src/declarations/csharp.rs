@@ -1,9 +1,12 @@
 //! The C# declarations of what headers declare: blittable structs, enums, delegates and P/Invoke functions.
 //! csbindgen does not serve: it reads the Rust sources and cannot translate the callbacks and the `MaybeUninit` fields of defs there.
 
-use super::{Form, Item, Type, Variable, declared, number, prefix, wrapped};
-use crate::prelude::*;
 use std::fmt::Write;
+
+use anyhow::{Context, Result, bail};
+use regex_lite::{Captures, Regex};
+
+use super::{Form, Item, Type, Variable, declared, number, prefix, wrapped};
 
 const HEAD: &str = "\
 // Generated from the headers in include by `cargo xtask header`; do not edit it. They document what is declared here. C# lays out

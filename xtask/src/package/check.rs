@@ -1,8 +1,20 @@
 //! Checks an archive as a user has it: unpacked in an empty folder. Its files match its manifest, and its examples build and run,
 //! shared and static, by CMake and by pkg-config.
 
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
+use serde_json::Value;
+
 use super::{manifest, name_of, pack};
-use crate::prelude::*;
+use crate::abi;
+use crate::files::{copy_tree, read};
+use crate::install::{self, Built};
+use crate::native::{self, Build};
+use crate::target::launch;
+use crate::wine::Wine;
+use crate::workspace::{VERSION, cmd, run, said, sh, silent};
 
 /// A project of a user, beside the archive's examples.
 pub const CLIENT: &str = "xtask/package/client";

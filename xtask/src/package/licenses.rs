@@ -2,7 +2,17 @@
 //! same, but would add 150 packages to the build of this helper, and it does not look into the libraries. The table of docs/reliability.md
 //! with all of them, and what must hold for them: cargo-deny checks the same and more, but takes longer to build than this repository.
 
-use crate::prelude::*;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
+use memchr::memmem;
+
+use crate::command;
+use crate::files::{bytes, copy, files, files_of, name, passage, read, write};
+use crate::install::{Built, FULL, Flavour, SLIM};
+use crate::target::Target;
+use crate::workspace::{SOURCES, VERSION, in_root, packages, said, sysroot};
 
 pub const FILE: &str = "THIRD-PARTY-LICENSES.txt";
 /// The licenses of Rust's standard library, from Rust's distribution.
@@ -231,7 +241,7 @@ mod tests {
             let scratch = tempfile::tempdir().unwrap();
             let directory = scratch.path().to_path_buf();
             for (name, text) in files {
-                fs::write(directory.join(name), text).unwrap();
+                std::fs::write(directory.join(name), text).unwrap();
             }
             let (name, version, repository) =
                 ("denty".into(), "1.2.0".into(), "https://example.org/dents/denty.git".into());

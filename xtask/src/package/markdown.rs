@@ -1,6 +1,11 @@
 //! Links between pages. Links to files that an archive leaves out become plain text.
 
-use crate::prelude::*;
+use std::path::Path;
+
+use anyhow::Result;
+use regex_lite::{Captures, Regex};
+
+use crate::files::{name, read, write};
 
 /// Code, in which nothing is a link, or a link or picture: its mark, text and target.
 const LINK: &str = r"(?s)```.*?```|`[^`\n]*`|(!?)\[((?:[^\[\]]|\[[^\[\]]*\])*)\]\(([^()\s]*)\)";

@@ -1,0 +1,35 @@
+//! Packages of npm, and the Khronos glTF validator, which is one of them.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+
+use crate::files::empty;
+use crate::stage::LeftOut;
+use crate::workspace::{cmd, in_target, run};
+
+const VALIDATOR: &str = "gltf-validator@2.0.0-dev.3.10";
+
+/// Installs packages of npm, `NAME@VERSION`, below a folder that has nothing else, if they are not there. Returns their folder.
+pub fn modules(directory: &Path, packages: &[&str]) -> Result<PathBuf> {
+    let modules = directory.join("node_modules");
+    let name = |package: &str| package.split('@').next().unwrap_or_default().to_owned();
+    if !packages.iter().all(|package| modules.join(name(package)).is_dir()) {
+        empty(directory)?;
+        let install = ["install", "--loglevel=error", "--no-audit", "--no-fund", "--prefix"];
+        let installed = cmd!("npm {install...} {directory} {packages...}").run();
+        installed.with_context(|| {
+            let packages = packages.join(" ");
+            LeftOut::Missing(format!("packages of npm cannot be had; to see why: npm install {packages}"))
+        })?;
+    }
+    Ok(modules)
+}
+
+/// The Khronos glTF validator finds no error and no warning in `files`.
+pub fn validate(files: &[PathBuf]) -> Result<()> {
+    let modules = modules(&in_target("validator"), &[VALIDATOR])?;
+    run!("node tests/validate_gltf.js {modules} {files...}")?;
+    println!("the validator finds nothing in {} files", files.len());
+    Ok(())
+}
