@@ -5,8 +5,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
+use heck::ToUpperCamelCase;
 
-use crate::declarations::csharp::{HEADERS, pascal};
+use crate::declarations::csharp::HEADERS;
 use crate::declarations::{self, Form, INCLUDE, Item};
 use crate::files::{empty, files_of, read, write};
 use crate::install;
@@ -76,9 +77,10 @@ fn layout_program(items: &[Item]) -> Result<String> {
         for field in fields {
             // C# has no arrays of structs or enums in structs, so each element is a field.
             let apart = field.kind.array.filter(|_| declarations::declared(items, &field.kind.base).is_some());
-            let element = |at| (format!("{}[{at}]", field.name), format!("{}{at}", pascal(&field.name)));
+            let element = |at| (format!("{}[{at}]", field.name), format!("{}{at}", field.name.to_upper_camel_case()));
             let elements = apart.map(|length| (0..length).map(element).collect());
-            for (own, there) in elements.unwrap_or_else(|| vec![(field.name.clone(), pascal(&field.name))]) {
+            for (own, there) in elements.unwrap_or_else(|| vec![(field.name.clone(), field.name.to_upper_camel_case())])
+            {
                 let place = format!("offsetof({name}, {own}), sizeof((({name} *)0)->{own})");
                 writeln!(text, "    printf(\"{name}.{there} %zu %zu\\n\", {place});")?;
             }

@@ -6,6 +6,7 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 use anyhow::{Context, Result, bail, ensure};
+use heck::ToShoutySnakeCase;
 use regex_lite::{Captures, Regex};
 
 pub mod csharp;
@@ -78,9 +79,9 @@ pub fn names(include: impl AsRef<Path>) -> Result<BTreeSet<String>> {
 }
 
 /// What all enumerators of a type begin with: its own name where they do, as those of results do not.
-fn prefix(name: &str, variants: &[Variant]) -> Result<String> {
-    let own = Regex::new("([a-z0-9])([A-Z])")?.replace_all(name, "${1}_$2").to_uppercase() + "_";
-    Ok(if variants.iter().all(|(name, _)| name.starts_with(&own)) { own } else { "CRUMPLE_".to_owned() })
+fn prefix(name: &str, variants: &[Variant]) -> String {
+    let own = name.to_shouty_snake_case() + "_";
+    if variants.iter().all(|(name, _)| name.starts_with(&own)) { own } else { "CRUMPLE_".to_owned() }
 }
 
 /// The numbers of C, each with its name in C#.

@@ -36,7 +36,7 @@ pub fn module(items: &[Item]) -> Result<String> {
         match form {
             // Without the words that all its names begin with.
             Form::Enum(variants) => {
-                let (docs, prefix) = (docs.join("\n    "), prefix(name, variants)?);
+                let (docs, prefix) = (docs.join("\n    "), prefix(name, variants));
                 writeln!(text, "\n\nclass {name}(IntEnum):\n    \"\"\"{docs}\"\"\"\n")?;
                 variants
                     .iter()
