@@ -9,8 +9,7 @@ use crate::files::{copy_into, copy_licenses, copy_sources, empty, name, read, wr
 use crate::package::{archive, markdown};
 use crate::stage::LeftOut;
 use crate::tools::{PYTHON311, XVFB};
-use crate::wine::Display;
-use crate::workspace::{VERSION, cmd, ended, in_root, in_target, run, sh, silent};
+use crate::workspace::{Display, VERSION, cmd, ended, in_root, in_target, run, sh, silent};
 use crate::{debian, python};
 
 const BINDING: &str = "bindings/blender";

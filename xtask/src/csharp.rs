@@ -9,7 +9,7 @@ use heck::ToUpperCamelCase;
 
 use crate::declarations::csharp::HEADERS;
 use crate::declarations::{self, Form, INCLUDE, Item};
-use crate::files::{empty, files_of, read, write};
+use crate::files::{empty, files_of, write};
 use crate::install;
 use crate::workspace::{VERSION, cmd, in_root, in_target, run, said};
 
@@ -58,8 +58,8 @@ fn compile(built: &Path) -> Result<()> {
 /// Writes the sizes and offsets that the C compiler uses to a file, which the tests read.
 fn layouts(prefix: &Path, built: &Path) -> Result<PathBuf> {
     let (source, program, table) = (built.join("layout.c"), built.join("layout"), built.join("layout.txt"));
-    let headers = HEADERS.iter().map(|name| read(Path::new(INCLUDE).join(name))).collect::<Result<Vec<_>>>()?;
-    write(&source, layout_program(&declarations::header(&declarations::joined(&headers))?)?)?;
+    let headers = declarations::read(INCLUDE, HEADERS)?;
+    write(&source, layout_program(&declarations::header(&headers)?)?)?;
     let include = prefix.join("include");
     run!("cc -std=c11 -Wall -Werror -I {include} {source} -o {program}")?;
     write(&table, said!("{program}")?)?;

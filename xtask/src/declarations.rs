@@ -21,15 +21,9 @@ pub static HEADERS: LazyLock<Vec<&str>> =
 /// and the first lines of its opening comment, which crumple.h has in cbindgen.toml.
 pub const PARTS: &str = include_str!("../headers.txt");
 
-/// The headers of a folder as one text.
-pub fn read(include: impl AsRef<Path>) -> Result<String> {
-    Ok(joined(&HEADERS.iter().map(|name| crate::files::read(include.as_ref().join(name))).collect::<Result<Vec<_>>>()?))
-}
-
-/// Headers, each after those that it includes, as one text.
-pub fn joined(headers: &[String]) -> String {
-    let lines = headers.iter().flat_map(|text| text.lines()).filter(|line| !line.starts_with("#include \""));
-    lines.flat_map(|line| [line, "\n"]).collect()
+/// Headers of a folder as one text.
+pub fn read(include: impl AsRef<Path>, headers: &[&str]) -> Result<String> {
+    headers.iter().map(|name| crate::files::read(include.as_ref().join(name))).collect()
 }
 
 /// A C type: its name, the number of pointer stars, and the array length.
@@ -75,7 +69,7 @@ pub fn functions(text: &str) -> Result<Vec<Item>> {
 
 /// Their names, of the headers of a folder.
 pub fn names(include: impl AsRef<Path>) -> Result<BTreeSet<String>> {
-    Ok(functions(&read(include)?)?.into_iter().map(|item| item.name).collect())
+    Ok(functions(&read(include, &HEADERS)?)?.into_iter().map(|item| item.name).collect())
 }
 
 /// What all enumerators of a type begin with: its own name where they do, as those of results do not.
@@ -119,7 +113,7 @@ pub fn wrapped(declaration: &str, width: usize, indent: usize) -> String {
 const DECLARATION: &str =
     r"(?m)((?:^///.*\n)*)^(#define \w+ +.+|typedef (?:enum|struct) \w+ \{\n(?s:.*?)\n\} \w+;|[^\n#/{}][^;{}#]*;)\n";
 /// Lines without a declaration.
-const IGNORED: &str = r#"^(|//.*|#ifdef __cplusplus|extern "C" \{|\}  // extern.*|#ifndef CRUMPLE_.*|#define CRUMPLE_(\w*_)?H|#include <std.*|#endif.*)$"#;
+const IGNORED: &str = r#"^(|//.*|#ifdef __cplusplus|extern "C" \{|\}  // extern.*|#ifndef CRUMPLE_.*|#define CRUMPLE_(\w*_)?H|#include .*|#endif.*)$"#;
 
 /// Everything that the header declares, in header order.
 pub fn header(text: &str) -> Result<Vec<Item>> {

@@ -60,7 +60,7 @@ pub fn sweep(test: Cmd, folder: &Path, options: &str) -> Result<()> {
 /// Each program writes into a folder of its own. All but Blender read what Blender wrote.
 fn export(exports: &Path) -> Result<()> {
     let (blender, trimesh) = (blender::module(blender::NEWEST)?, python::tested_environment()?);
-    let (modules, godot) = (node::modules(&in_target("three"), &[THREE])?, godot::engine()?);
+    let (modules, godot) = (node::modules("three", &[THREE])?, godot::engine()?);
     ["assimp", "godot"].iter().try_for_each(|name| make(exports.join(name)))?;
     let plain = exports.join("blender/plain.glb");
     cmd!("{blender} {SCRIPTS}/blender.py {exports}/blender").ignore_stdout().ignore_stderr().run()?;

@@ -119,15 +119,3 @@ pub fn copy_sources(folder: &str, parts: &[&str], to: &Path) -> Result<()> {
 pub fn copy_licenses(to: &Path) -> Result<()> {
     ["LICENSE-MIT", "LICENSE-APACHE"].iter().try_for_each(|license| copy_into(license, to))
 }
-
-/// Two folders hold the same files with the same bytes. Returns how many.
-pub fn same_files(one: &Path, other: &Path) -> Result<usize> {
-    let relative = |folder: &Path| files(folder)?.iter().map(|file| within(folder, file)).collect::<Result<Vec<_>>>();
-    let (names, others) = (relative(one)?, relative(other)?);
-    ensure!(names == others, "{} holds {names:?}, {} holds {others:?}", one.display(), other.display());
-    for name in &names {
-        let (one, other) = (one.join(name), other.join(name));
-        ensure!(bytes(&one)? == bytes(&other)?, "{} and {} differ", one.display(), other.display());
-    }
-    Ok(names.len())
-}

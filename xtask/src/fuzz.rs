@@ -43,9 +43,9 @@ pub struct Options {
     /// Build with the address sanitizer too, which finds wrong accesses to memory; slower
     #[arg(long)]
     address: bool,
-    /// Profile of fuzz/Cargo.toml to build with
-    #[arg(long, default_value = "release", hide = true)]
-    profile: String,
+    /// The profile of fuzz/Cargo.toml to build with.
+    #[arg(skip = "release")]
+    profile: &'static str,
     /// Fuzz nothing: print which lines of src the corpora reach
     #[arg(long, conflicts_with = "keep")]
     coverage: bool,
@@ -174,7 +174,7 @@ fn targets() -> Result<Vec<String>> {
 
 /// Builds all targets, and returns Cargo's target directory and the folder of the programs.
 fn build(options: &Options) -> Result<[PathBuf; 2]> {
-    let (address, profile, host) = (options.address, &options.profile, rustc_says("host")?);
+    let (address, profile, host) = (options.address, options.profile, rustc_says("host")?);
     let home = in_target(if address { "fuzz-address" } else { "fuzz" });
     let flags = if address { format!("{COVERAGE} -Zsanitizer=address") } else { COVERAGE.to_owned() };
     // --target keeps build scripts and macros free of instrumentation.
@@ -198,5 +198,5 @@ pub fn build_for_stage() -> Result<()> {
 
 fn for_stage() -> Options {
     // Ten seconds are shorter than what the compiler takes to optimise.
-    Options { seconds: STAGE_SECONDS, jobs: jobs(), seed: 1, profile: "quick".into(), ..Options::default() }
+    Options { seconds: STAGE_SECONDS, jobs: jobs(), seed: 1, profile: "quick", ..Options::default() }
 }

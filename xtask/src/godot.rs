@@ -15,8 +15,7 @@ use crate::package::{archive, licenses, markdown, nothing_of_this_machine};
 use crate::stage::all_passed;
 use crate::target::{Target, WINDOWS};
 use crate::tools::{self, MINGW, WINDOWS_RUST};
-use crate::wine::Display;
-use crate::workspace::{Background, VERSION, cmd, ended, in_root, in_target, sh};
+use crate::workspace::{Background, Display, VERSION, cmd, ended, in_root, in_target, sh};
 use crate::{car, debian, vulkan};
 
 const BINDING: &str = "bindings/godot";

@@ -22,9 +22,9 @@ const PYTHON: &str = "bindings/python/src/crumple/_native.py";
 pub fn run(check: bool) -> Result<()> {
     let headers = generate()?;
     let in_csharp = |(name, _): &(&&str, &String)| csharp::HEADERS.contains(name);
-    let of_csharp: Vec<_> = HEADERS.iter().zip(&headers).filter(in_csharp).map(|(_, text)| text.clone()).collect();
-    let (types, functions) = csharp::files(&declarations::header(&declarations::joined(&of_csharp))?)?;
-    let python = python::module(&declarations::header(&declarations::joined(&headers))?)?;
+    let of_csharp: String = HEADERS.iter().zip(&headers).filter(in_csharp).map(|(_, text)| text.as_str()).collect();
+    let (types, functions) = csharp::files(&declarations::header(&of_csharp)?)?;
+    let python = python::module(&declarations::header(&headers.concat())?)?;
     let mut files: Vec<_> = HEADERS.iter().map(|name| format!("{INCLUDE}/{name}")).zip(headers).collect();
     files.push((format!("{CSHARP}/NativeTypes.g.cs"), types));
     files.push((format!("{CSHARP}/NativeMethods.g.cs"), functions));

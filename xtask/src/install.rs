@@ -53,10 +53,10 @@ pub struct Built {
 }
 
 impl Built {
-    /// In Cargo's folder of a profile, with the command if it is `whole`.
-    pub fn new(target: Target, profile: &str, flavour: &'static Flavour, whole: bool) -> Self {
+    /// In Cargo's folder of a profile.
+    pub fn new(target: Target, profile: &str, flavour: &'static Flavour) -> Self {
         let directory = target.directory(profile);
-        let command = whole.then(|| directory.join(target.program("crumple")));
+        let command = flavour.command.then(|| target.built(profile, "crumple"));
         let (shared, static_library) = (directory.join(target.shared()), directory.join(target.static_library()));
         Self { target, flavour, shared, static_library, command, handed_out: profile == "dist" }
     }
@@ -111,7 +111,7 @@ pub fn dist(flavour: &'static Flavour, target: &Target) -> Result<Built> {
     }
     // Built after the command, because building the command overwrites the library.
     build(target, "dist", flavour)?;
-    Ok(Built::new(target.clone(), "dist", flavour, flavour.command))
+    Ok(Built::new(target.clone(), "dist", flavour))
 }
 
 /// What a program links beside the static library, such as `-lpthread`: `rustc` prints it for an empty one.
@@ -130,10 +130,14 @@ fn static_needs(target: &Target) -> Result<Vec<String>> {
     Ok(line.split_whitespace().map(str::to_owned).collect())
 }
 
+pub fn stage() -> Result<()> {
+    abi::exported(&in_root(INCLUDE), &shared(&Target::host()?, &release_prefix()?))
+}
+
 pub fn run(prefix: &Path, profile: &str) -> Result<()> {
     let (target, prefix) = (Target::host()?, in_root(prefix));
     build(&target, profile, &FULL)?;
-    lay_out(&Built::new(target, profile, &FULL, false), &prefix)?;
+    lay_out(&Built::new(target, profile, &FULL), &prefix)?;
     println!("installed Crumple {VERSION} ({profile}) in {}", prefix.display());
     Ok(())
 }
@@ -192,18 +196,10 @@ fn copy_shared(built: &Built, prefix: &Path) -> Result<()> {
     let real = format!("libcrumple.so.{VERSION}");
     copy(shared, &lib.join(&real))?;
     for link in [abi::soname(VERSION), "libcrumple.so".to_owned()] {
-        let link = lib.join(link);
-        // Whether there is one, and wherever it leads.
-        let _ = fs::remove_file(&link);
-        symlink(&real, &link).with_context(|| format!("linking {}", link.display()))?;
+        run!("ln -s -f {real} {lib}/{link}")?;
     }
     Ok(())
 }
-
-#[cfg(unix)]
-use std::os::unix::fs::symlink;
-#[cfg(windows)]
-use std::os::windows::fs::symlink_file as symlink;
 
 /// Writes the import library of a DLL that exports these names.
 pub fn import_library(dll: &str, exports: &[String], library: &Path) -> Result<()> {

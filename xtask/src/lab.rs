@@ -9,14 +9,14 @@ use std::time::Instant;
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 
-use crate::files::{empty, write};
+use crate::files::{empty, name, write};
 use crate::install::{self, SLIM};
 use crate::native::{self, Build};
 use crate::python;
 use crate::stage::all_passed;
 use crate::target::Target;
 use crate::tools::{BULLET, PYTHON3};
-use crate::workspace::{build_as_tested, cargo, cargo_anywhere, cmd, in_root, in_target, jobs, packages, run};
+use crate::workspace::{absolute, build_as_tested, cargo_anywhere, cmd, in_root, in_target, jobs, packages, run};
 
 #[derive(Args)]
 pub struct Options {
@@ -26,11 +26,6 @@ pub struct Options {
     /// Only this part; may be given several times
     #[arg(long, value_name = "PART")]
     only: Vec<String>,
-}
-
-/// A path of the user. What runs is in the repository's root.
-pub fn absolute(path: &str) -> std::io::Result<PathBuf> {
-    std::path::absolute(path)
 }
 
 #[derive(Args)]
@@ -137,10 +132,8 @@ fn bench_devices(options: &BenchOptions) -> Result<()> {
 
 /// The slim C library, stripped. `None` without a `strip` program.
 fn stripped_library() -> Result<Option<PathBuf>> {
-    let what = ["build", "--profile", "dist", "--package", "crumple", "--lib", "--no-default-features", "--features"];
-    cargo(&what).arg(SLIM.library.join(",")).run()?;
-    let (target, folder) = (Target::host()?, empty(in_target("stripped"))?);
-    let (library, stripped) = (target.directory("dist").join(target.shared()), folder.join(target.shared()));
+    let library = install::dist(&SLIM, &Target::host()?)?.shared;
+    let stripped = empty(in_target("stripped"))?.join(name(&library)?);
     if let Err(error) = run!("strip -o {stripped} {library}") {
         println!("left out: the library's size, since it cannot be stripped ({error})");
         return Ok(None);
@@ -151,7 +144,7 @@ fn stripped_library() -> Result<Option<PathBuf>> {
 /// Builds the lab with these features and returns its program.
 fn program(features: &[&str]) -> Result<PathBuf> {
     cargo_anywhere(&["build", "--release", "--package", "crumple-lab"])?.args(features).run()?;
-    Ok(in_target("release/crumple-lab").with_extension(std::env::consts::EXE_EXTENSION))
+    Ok(Target::host()?.built("release", "crumple-lab"))
 }
 
 /// A Python with the pinned packages that the scripts need.
@@ -172,7 +165,7 @@ pub fn engines() -> Result<()> {
     let directory = programs.join("examples-c");
     let jolt = cmd!("ctest --test-dir {directory} --tests-regex ^jolt_crash$ --verbose --no-tests=error").run();
     build_as_tested(&["--bin", "crumple-lab"]).run()?;
-    let program = in_target("debug/crumple-lab").with_extension(std::env::consts::EXE_EXTENSION);
+    let program = Target::host()?.built("debug", "crumple-lab");
     let truths = cmd!("{program} contacts --check --throws {programs} --out {out}").run();
     all_passed(vec![("Jolt", jolt.map_err(Into::into)), ("the truths in all engines", truths.map_err(Into::into))])
 }

@@ -114,7 +114,7 @@ enum Command {
     /// Run info, bake, sample and apply over a folder of glTF and OBJ files, and compare everything that no dent reached
     Sweep {
         /// The folder. An OBJ's examples are the files beside it whose names begin with its name and _
-        #[arg(value_parser = lab::absolute)]
+        #[arg(value_parser = workspace::absolute)]
         folder: PathBuf,
         /// Options for each of the commands, such as --join
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]

@@ -6,13 +6,12 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, ensure};
 use regex_lite::Regex;
 
-use crate::declarations::INCLUDE;
 use crate::files::{copy_into, empty, files, read};
 use crate::stage::all_passed;
 use crate::target::Target;
 use crate::tools::{BULLET, ODE, PNG, Tool, VULKAN, VULKAN_HEADERS};
 use crate::workspace::{all, cmd, in_root, in_target, jobs, said, sh, silent};
-use crate::{abi, install, vulkan};
+use crate::{install, vulkan};
 
 /// CMake projects whose programs are tests, each with the name of its build directory.
 pub const OURS: &[(&str, &str)] = &[("examples-c", "examples-c"), ("tests/c", "tests-c")];
@@ -20,11 +19,6 @@ pub const OURS: &[(&str, &str)] = &[("examples-c", "examples-c"), ("tests/c", "t
 pub const TESTS: &[(&str, &str)] = &[OURS[1]];
 /// All projects: ours and Unity's renderer plugin.
 const ALL: &[(&str, &str)] = &[OURS[0], OURS[1], ("bindings/unity/native~", "unity")];
-
-pub fn install_release() -> Result<()> {
-    let prefix = install::release_prefix()?;
-    abi::exported(&in_root(INCLUDE), &install::shared(&Target::host()?, &prefix))
-}
 
 /// How a set of projects is built and run.
 pub struct Build<'a> {
@@ -53,6 +47,11 @@ impl<'a> Build<'a> {
         let (options, launcher, drivers) = (Vec::new(), String::new(), Vec::new());
         Self { projects: ALL, kind, prefix, validation: true, options, cross: false, launcher, drivers, left_out: "" }
     }
+
+    /// The same for a system, this one or another.
+    pub fn on(target: &Target, kind: &'a str, prefix: &'a Path) -> Result<Self> {
+        Ok(Self { options: cross_options(target)?, cross: target.cross, ..Self::new(kind, prefix) })
+    }
 }
 
 /// Builds every project against an installed library and runs its tests. A project that fails does not hide the others.
@@ -67,10 +66,11 @@ pub fn test_projects(build: &Build<'_>) -> Result<()> {
     all_passed(build.projects.iter().map(|(project, name)| (*project, test(project, name))).collect())
 }
 
-fn run_tests(directory: &Path, options: &[&str]) -> Result<()> {
+/// Runs the tests of a project that CMake built.
+pub fn run_tests(directory: &Path, options: &[&str]) -> Result<()> {
     let jobs = jobs().to_string();
-    let test = cmd!("ctest --test-dir {directory} --parallel {jobs} --output-on-failure --no-tests=error {options...}");
-    Ok(test.run()?)
+    cmd!("ctest --test-dir {directory} --parallel {jobs} --output-on-failure --no-tests=error {options...}").run()?;
+    Ok(())
 }
 
 /// Builds a project against an installed library.
@@ -135,7 +135,7 @@ pub fn sanitizers() -> Result<()> {
 }
 
 /// What tells CMake to compile for another system; nothing for this one. Programs for Windows find Vulkan's headers and loader.
-pub fn cross_options(target: &Target) -> Result<Vec<String>> {
+fn cross_options(target: &Target) -> Result<Vec<String>> {
     if !target.cross {
         return Ok(Vec::new());
     }

@@ -1,6 +1,6 @@
 //! Packages of npm, and the Khronos glTF validator, which is one of them.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 
@@ -10,12 +10,13 @@ use crate::workspace::{cmd, in_target, run};
 
 const VALIDATOR: &str = "gltf-validator@2.0.0-dev.3.10";
 
-/// Installs packages of npm, `NAME@VERSION`, below a folder that has nothing else, if they are not there. Returns their folder.
-pub fn modules(directory: &Path, packages: &[&str]) -> Result<PathBuf> {
+/// Installs packages of npm, `NAME@VERSION`, below a folder of the target directory that has nothing else, if they are not there. Returns their folder.
+pub fn modules(folder: &str, packages: &[&str]) -> Result<PathBuf> {
+    let directory = in_target(folder);
     let modules = directory.join("node_modules");
     let name = |package: &str| package.split('@').next().unwrap_or_default().to_owned();
     if !packages.iter().all(|package| modules.join(name(package)).is_dir()) {
-        empty(directory)?;
+        empty(&directory)?;
         let install = ["install", "--loglevel=error", "--no-audit", "--no-fund", "--prefix"];
         let installed = cmd!("npm {install...} {directory} {packages...}").run();
         installed.with_context(|| {
@@ -28,7 +29,7 @@ pub fn modules(directory: &Path, packages: &[&str]) -> Result<PathBuf> {
 
 /// The Khronos glTF validator finds no error and no warning in `files`.
 pub fn validate(files: &[PathBuf]) -> Result<()> {
-    let modules = modules(&in_target("validator"), &[VALIDATOR])?;
+    let modules = modules("validator", &[VALIDATOR])?;
     run!("node tests/validate_gltf.js {modules} {files...}")?;
     println!("the validator finds nothing in {} files", files.len());
     Ok(())

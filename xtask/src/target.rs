@@ -7,7 +7,7 @@ use regex_lite::Regex;
 use xshell::Cmd;
 
 use crate::files::read;
-use crate::workspace::{anywhere, cargo_anywhere, cmd, in_target, rustc_says, sysroot, target_folder};
+use crate::workspace::{FLAGS, anywhere, cargo_anywhere, cmd, in_target, rustc_says, sysroot, target_folder};
 
 pub const WINDOWS: &str = "x86_64-pc-windows-gnu";
 pub const AARCH64: &str = "aarch64-unknown-linux-gnu";
@@ -76,6 +76,11 @@ impl Target {
         if self.cross { cross().join(&self.triple) } else { target_folder() }.join(profile)
     }
 
+    /// A program that Cargo built.
+    pub fn built(&self, profile: &str, program: &str) -> PathBuf {
+        self.directory(profile).join(self.program(program))
+    }
+
     /// A program of GNU's compiler or binutils for this system: `gcc`, `strip`.
     pub fn gnu(&self, program: &str) -> String {
         let known = [(WINDOWS, "x86_64-w64-mingw32-"), (AARCH64, "aarch64-linux-gnu-"), (I686, "i686-linux-gnu-")];
@@ -121,9 +126,9 @@ impl Target {
             return cargo_anywhere(arguments);
         }
         // A warning here is one that the lints of this machine's system do not see. Every browser of the last years has vectors.
-        let own = ["--deny=warnings", "-Ctarget-feature=+simd128"];
         let (web, triple) = (self.triple == WEB, &self.triple);
-        let flags = [anywhere()?, own[..1 + usize::from(web)].iter().map(|flag| (*flag).to_owned()).collect()].concat();
+        let own = if web { "\u{1f}-Ctarget-feature=+simd128" } else { "" };
+        let flags = format!("{}\u{1f}--deny=warnings{own}", anywhere()?);
         let (first, rest) = arguments.split_first().unwrap_or((&"", &[]));
         let cargo = if self.has_standard_library() {
             cmd!("cargo {first} --target {triple}")
@@ -136,7 +141,7 @@ impl Target {
         let linker = if web { "wasm-ld".to_owned() } else { self.gnu("gcc") };
         // Builds for this system do not wait for it.
         let cargo = cargo.env("CARGO_TARGET_DIR", cross()).env(self.variable("LINKER"), linker);
-        Ok(cargo.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\u{1f}")).args(rest))
+        Ok(cargo.env(FLAGS, flags).args(rest))
     }
 }
 

@@ -11,8 +11,8 @@ use crate::tools::{
 };
 use crate::workspace::{all, cargo, in_root, test_all, tests};
 use crate::{
-    abi, blender, car, csharp, exports, fuzz, godot, header, lab, native, nightly, package, platforms, python, repo,
-    rooms, source, valgrind, vulkan, web,
+    abi, blender, car, csharp, exports, fuzz, godot, header, install, lab, native, nightly, package, platforms, python,
+    repo, rooms, source, valgrind, vulkan, web,
 };
 
 #[derive(Args, Default)]
@@ -51,7 +51,7 @@ const LINUX_X86_64: bool = cfg!(all(target_os = "linux", target_arch = "x86_64")
 
 /// In the order in which they run: what is compiled ahead runs late. A new kind of test is one more entry here.
 const STAGES: &[Stage] = stages! {
-    "install": native::install_release,
+    "install": install::stage,
         "the C library installs into target/prefix and exports what the header declares", needs: &[CC];
     "cmake": source::cmake,
         "a CMake project that fetches the source builds it by Cargo, and installs what the installer does",

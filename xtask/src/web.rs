@@ -28,7 +28,7 @@ const DRAWN_WITH: &str = "LICENSE build/three.module.js build/three.core.js exam
 pub fn run(out: &Path) -> Result<()> {
     tools::require(&[WEB_RUST, LLVM, NPM])?;
     let out = in_root(out);
-    lay_out(&node::modules(&in_target(NODE), &[THREE])?, &out)?;
+    lay_out(&node::modules(NODE, &[THREE])?, &out)?;
     println!(
         "{0}/crumple is the package. Serve {0} and open it: python3 -m http.server --directory {0}",
         out.display()
@@ -38,7 +38,7 @@ pub fn run(out: &Path) -> Result<()> {
 
 /// The module gives the native library's bits under Node, and the page works in Chromium.
 pub fn stage() -> Result<()> {
-    let modules = node::modules(&in_target(NODE), &[THREE, DRIVER])?;
+    let modules = node::modules(NODE, &[THREE, DRIVER])?;
     let folder = in_target("web/page");
     lay_out(&modules, &folder)?;
     let set = folder.join("car.crumple");

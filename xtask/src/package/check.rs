@@ -107,16 +107,13 @@ fn by_cmake(root: &Path, folder: &Path) -> Result<()> {
     let plain = ["-DCMAKE_DISABLE_FIND_PACKAGE_Vulkan=ON", "-DCMAKE_DISABLE_FIND_PACKAGE_PkgConfig=ON"];
     silent!("cmake -S {examples} -B {build} -DCMAKE_PREFIX_PATH={folder} -DCRUMPLE_STATIC=ON {plain...}")?;
     cmd!("cmake --build {build} --parallel 2").ignore_stdout().run()?;
-    cmd!("ctest --test-dir {build} --parallel 2 --output-on-failure --no-tests=error").run()?;
-    Ok(())
+    native::run_tests(&build, &[])
 }
 
 fn client(built: &Built, root: &Path, folder: &Path, runner: &[&str]) -> Result<()> {
     let (source, built, target) = (root.join("client"), root.join("client-build"), &built.target);
     copy_tree(CLIENT, &source)?;
-    let options = native::cross_options(target)?;
-    let build = Build { options, cross: target.cross, ..Build::new("client", folder) };
-    native::compile(&build, &source, &built)?;
+    native::compile(&Build::on(target, "client", folder)?, &source, &built)?;
     for name in ["client-shared", "client-static"] {
         let program = built.join(target.program(name));
         launch(runner, &program).run().with_context(|| format!("{name}, built by CMake"))?;

@@ -57,7 +57,7 @@ pub fn copy_all(built: &Built, folder: &Path) -> Result<()> {
     copy(OVERVIEW.0, &folder.join(OVERVIEW.1))?;
     readme(built, folder)?;
     copy_tree(INCLUDE, &folder.join(UNREAL_HEADERS))?;
-    write(folder.join(reference::PAGE), reference::page(Path::new(INCLUDE))?)?;
+    write(folder.join(reference::PAGE), reference::page()?)?;
     unity_plugin(built, folder)?;
     engines(built, folder)?;
     for page in files_of(folder, &["md"])? {
@@ -92,9 +92,8 @@ fn unity_plugin(built: &Built, folder: &Path) -> Result<()> {
         return Ok(());
     }
     let directory = in_target(format!("package/{}/{}-unity", target.triple, built.flavour.name));
-    let mut options = native::cross_options(target)?;
-    options.push("-DCRUMPLE_TESTS=OFF".to_owned());
-    let build = Build { options, cross: target.cross, ..Build::new("package", folder) };
+    let mut build = Build::on(target, "package", folder)?;
+    build.options.push("-DCRUMPLE_TESTS=OFF".to_owned());
     native::compile(&build, &source, &directory)?;
     let name = if target.is_windows() { "crumple_unity.dll" } else { "libcrumple_unity.so" };
     let plugin = folder.join(UNITY).join("Plugins/x86_64").join(name);
