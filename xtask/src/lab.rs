@@ -6,8 +6,9 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use clap::Args;
+use clap::builder::PossibleValuesParser;
 
 use crate::files::{empty, name, write};
 use crate::install::{self, SLIM};
@@ -24,7 +25,7 @@ pub struct Options {
     #[arg(long)]
     quick: bool,
     /// Only this part; may be given several times
-    #[arg(long, value_name = "PART")]
+    #[arg(long, value_name = "PART", value_parser = PossibleValuesParser::new(parts().map(|(name, _)| name)))]
     only: Vec<String>,
 }
 
@@ -48,10 +49,10 @@ pub struct BenchOptions {
 }
 
 /// Parts in their order: subcommands of `crumple-lab`, each with a script of lab/python that follows it, and its arguments.
-const MEASURED: &str = "accuracy, told surrogates.py, learn, contacts, combine, peers mujoco_peer.py, stability, pictures, looks, speed, \
-                        scene, crash film.py crash, crowd film.py crowd";
-/// Parts that follow, each with its script, which gets the folder of what was measured.
-const SHOWN: &str = "charts draw.py, report report.py";
+const PARTS: &str = "accuracy, told surrogates.py, learn, contacts, combine, peers mujoco_peer.py, stability, pictures, looks, speed, \
+                        scene, crash film.py crash, crowd film.py crowd, charts draw.py, report report.py";
+/// Parts that are a script alone, which gets the folder of what was measured.
+const SHOWN: &[&str] = &["charts", "report"];
 /// The benchmark of graphics devices that needs none.
 const COMPILED: &str = "compiled";
 
@@ -60,12 +61,6 @@ const JOLT: &str = "joltc-sys";
 const JOLT_VERSION: &str = "=0.3.1";
 
 pub fn run(options: &Options) -> Result<()> {
-    let parts = |list: &'static str| list.split(", ").map(|part| part.split(' ').collect::<Vec<_>>());
-    let names: Vec<&str> = parts(MEASURED).chain(parts(SHOWN)).map(|part| part[0]).collect();
-    for name in &options.only {
-        ensure!(names.contains(&name.as_str()), "there is no part {name:?}; there are: {}", names.join(", "));
-    }
-    let wanted = |part: &Vec<&str>| options.only.is_empty() || options.only.iter().any(|only| only == part[0]);
     let out = if options.quick { in_target("lab-quick") } else { in_root("docs/lab") };
     if options.quick && options.only.is_empty() {
         empty(&out)?;
@@ -73,22 +68,33 @@ pub fn run(options: &Options) -> Result<()> {
     let (start, quick) = (Instant::now(), options.quick.then_some("--quick"));
     let program = timed("build", || program(&["--all-features"]))?;
     let python = timed("python", python)?;
-    let measure = |name: &str, script: &[&str]| -> Result<()> {
+    let run_part = |name: &str, script: &str| -> Result<()> {
+        if SHOWN.contains(&name) {
+            return run!("{python} -B lab/python/{script} {out}");
+        }
         let throws = (name == "contacts").then(throws).transpose()?;
         let throws = throws.map(|folder| format!("--throws={}", folder.display()));
         run!("{program} {name} {throws...} {quick...} --out {out}")?;
-        let [script, arguments @ ..] = script else { return Ok(()) };
-        run!("{python} -B lab/python/{script} {arguments...} {quick...} --out {out}")
+        if script.is_empty() {
+            return Ok(());
+        }
+        let script = format!("lab/python/{script}");
+        let words = script.split(' ');
+        run!("{python} -B {words...} {quick...} --out {out}")
     };
-    let show = |script: &str| run!("{python} -B lab/python/{script} {out}");
-    let measured = parts(MEASURED).filter(&wanted).map(|part| (part, true));
-    for (part, measured) in measured.chain(parts(SHOWN).filter(&wanted).map(|part| (part, false))) {
-        let name = part[0];
-        timed(name, || if measured { measure(name, &part[1..]) } else { show(part[1]) })
+    for (name, script) in
+        parts().filter(|(name, _)| options.only.is_empty() || options.only.iter().any(|only| only == name))
+    {
+        timed(name, || run_part(name, script))
             .with_context(|| format!("part {name} failed; alone: cargo xtask lab --only {name}"))?;
     }
     println!("== lab: {} after {:.0} s", out.display(), start.elapsed().as_secs_f64());
     Ok(())
+}
+
+/// The name of each part, and its script with arguments.
+fn parts() -> impl Iterator<Item = (&'static str, &'static str)> {
+    PARTS.split(", ").map(|part| part.split_once(' ').unwrap_or((part, "")))
 }
 
 pub fn bench(options: &BenchOptions) -> Result<()> {

@@ -13,11 +13,8 @@ use crate::workspace::{cmd, in_target, jobs};
 #[derive(Args)]
 pub struct Options {
     /// How long it runs, hours
-    #[arg(long, conflicts_with = "seconds")]
-    hours: Option<f64>,
-    /// How long it runs, seconds
-    #[arg(long, default_value_t = 60.0)]
-    seconds: f64,
+    #[arg(long, default_value_t = 0.02)]
+    hours: f64,
     /// Bodies that are hit, at most 1000
     #[arg(long, default_value_t = 16)]
     bodies: u32,
@@ -25,7 +22,7 @@ pub struct Options {
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Only measure how long this many hits and frames take, on the CPU and recorded for Vulkan, on one core
-    #[arg(long, value_name = "N", conflicts_with_all = ["hours", "seconds", "bodies", "seed"])]
+    #[arg(long, value_name = "N", conflicts_with_all = ["hours", "bodies", "seed"])]
     frames: Option<u64>,
 }
 
@@ -35,8 +32,8 @@ pub fn run(options: &Options) -> Result<()> {
     if let Some(frames) = options.frames {
         return times(&directory, &frames.to_string());
     }
-    let Options { bodies, seed, .. } = options;
-    let seconds = options.hours.map_or(options.seconds, |hours| 3600.0 * hours);
+    let Options { hours, bodies, seed, .. } = options;
+    let seconds = 3600.0 * hours;
     Ok(cmd!("{directory}/soak").args([seconds.to_string(), bodies.to_string(), seed.to_string()]).run()?)
 }
 

@@ -1,7 +1,8 @@
 //! `cargo xtask test` and `cargo xtask ci`: the list of test stages, and which stages a command runs.
 
-use anyhow::{Result, ensure};
+use anyhow::Result;
 use clap::Args;
+use clap::builder::PossibleValuesParser;
 
 use crate::stage::{self, Rules, Stage, all_passed, stages, unless};
 use crate::tools::{
@@ -20,11 +21,8 @@ pub struct Options {
     /// Run every stage: also engines, other systems, sanitizers, fuzzing and packages
     #[arg(long)]
     pub all: bool,
-    /// Fail a stage if a program that it needs is missing; CI=true sets this too
-    #[arg(long)]
-    pub require_all: bool,
     /// Run only this stage, or this check of `cargo xtask ci`; may be given several times
-    #[arg(long, value_name = "STAGE")]
+    #[arg(long, value_name = "STAGE", value_parser = PossibleValuesParser::new(every_stage().map(|stage| stage.name)))]
     pub only: Vec<String>,
     /// Stop at the first stage that fails
     #[arg(long)]
@@ -118,26 +116,24 @@ const STAGES: &[Stage] = stages! {
         needs: &[CC, CXX, CMAKE], wants: &[ODE, BULLET, VULKAN, SWIFTSHADER, VULKAN_HEADERS, PNG];
 };
 
-/// Runs the stages that `options` choose, or every check and every test for `ci`. A stage that is not everybody's always runs whole;
-/// those that are run whole with `--all`.
-pub fn run(options: &Options, ci: bool) -> Result<()> {
-    let every: Vec<&Stage> = CHECKS.iter().chain(STAGES).collect();
-    let names: Vec<&str> = every.iter().map(|stage| stage.name).collect();
-    for name in &options.only {
-        ensure!(names.contains(&name.as_str()), "there is no stage {name:?}; there are: {}", names.join(", "));
-    }
+fn every_stage() -> impl Iterator<Item = &'static Stage> {
+    CHECKS.iter().chain(STAGES)
+}
+
+/// Runs the stages that `options` choose, or `every` check and every test. Without `every`, CI=true in the environment asks for the rules
+/// of CI. A stage that is not everybody's always runs whole; those that are run whole with `--all`.
+pub fn run(options: &Options, every: bool) -> Result<()> {
     let everybodys = |stage: &&Stage| FOR_EVERYBODY.contains(&stage.name);
     let stages: Vec<&Stage> = match (options.only.is_empty(), options.all) {
-        _ if ci => every,
-        (false, _) => every.into_iter().filter(|stage| options.only.iter().any(|name| name == stage.name)).collect(),
+        _ if every => every_stage().collect(),
+        (false, _) => every_stage().filter(|stage| options.only.iter().any(|name| name == stage.name)).collect(),
         (true, true) => STAGES.iter().collect(),
         (true, false) => STAGES.iter().filter(everybodys).collect(),
     };
     test_all(options.all || !stages.iter().all(everybodys));
-    let retry = ci || std::env::var("CI").is_ok_and(|value| value == "true" || value == "1");
-    let (require_all, fail_fast) = (options.require_all || retry, options.fail_fast);
-    let ahead = ci || options.all && options.only.is_empty();
-    stage::run_all(&stages, Rules { require_all, fail_fast, retry, tidy: ci, ahead })
+    let ci = every || std::env::var("CI").is_ok_and(|value| value == "true" || value == "1");
+    let ahead = every || options.all && options.only.is_empty();
+    stage::run_all(&stages, Rules { ci, fail_fast: options.fail_fast, ahead })
 }
 
 /// Compiles what stages need in target folders of their own, in their order. A stage finds it ready, or waits for Cargo's lock, and
