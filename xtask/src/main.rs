@@ -20,7 +20,6 @@ mod node;
 mod package;
 mod platforms;
 mod python;
-mod reference;
 mod repo;
 mod rooms;
 mod soak;

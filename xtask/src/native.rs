@@ -116,11 +116,6 @@ fn engine(build: &Build<'_>) -> Result<()> {
     Ok(())
 }
 
-/// Mesa's driver alone, for the slow stages. Valgrind does not know some instructions in Chromium's build of SwiftShader.
-pub fn one_driver() -> Result<Vec<PathBuf>> {
-    VULKAN.here().then(vulkan::lavapipe).into_iter().collect()
-}
-
 /// Runs the C and C++ tests under gcc's sanitizers, against a debug build of the library, which has its own checks on.
 pub fn sanitizers() -> Result<()> {
     let prefix = empty(in_target("prefix-debug"))?;
@@ -129,7 +124,7 @@ pub fn sanitizers() -> Result<()> {
     let _ubsan = sh().push_env("UBSAN_OPTIONS", "print_stacktrace=1");
     let sanitizers = format!("-DCMAKE_PROJECT_INCLUDE={}", in_root("tests/c/sanitizers.cmake").display());
     // The validation layer leaks memory of its own; stage "ctest" runs with it.
-    let (validation, drivers) = (false, one_driver()?);
+    let (validation, drivers) = (false, vulkan::one_driver()?);
     let build = Build { options: vec![sanitizers], validation, drivers, ..Build::new("sanitizers", &prefix) };
     test_projects(&build)
 }

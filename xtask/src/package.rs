@@ -20,6 +20,7 @@ mod contents;
 pub mod licenses;
 pub mod manifest;
 pub mod markdown;
+mod reference;
 mod symbols;
 
 pub use check::{CLIENT, packed, stage};

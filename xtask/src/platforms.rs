@@ -117,7 +117,7 @@ impl Platform {
             // Wine has no validation layer.
             validation: false,
             left_out: if self.target.triple == AARCH64 { SLOW } else { "" },
-            drivers: if self.target.is_windows() { native::one_driver()? } else { Vec::new() },
+            drivers: if self.target.is_windows() { vulkan::one_driver()? } else { Vec::new() },
             ..Build::on(&self.target, &self.target.triple, &self.prefix)?
         })
     }

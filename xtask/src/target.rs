@@ -12,7 +12,7 @@ pub const AARCH64: &str = "aarch64-unknown-linux-gnu";
 pub const I686: &str = "i686-unknown-linux-gnu";
 pub const WEB: &str = "wasm32-unknown-unknown";
 
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone)]
 pub struct Target {
     pub triple: String,
     /// Whether it is another system than this machine's.

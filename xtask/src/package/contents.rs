@@ -5,6 +5,8 @@ use std::path::Path;
 use anyhow::{Context, Result, ensure};
 
 use super::licenses::{FILE as LICENSES, STANDARD_LIBRARY};
+use super::reference;
+use crate::abi;
 use crate::declarations::INCLUDE;
 use crate::files::{copy, copy_tree, files_of, read, write};
 use crate::install::Built;
@@ -12,7 +14,6 @@ use crate::native::{self, Build};
 use crate::package::markdown;
 use crate::tools::VULKAN_HEADERS;
 use crate::workspace::{VERSION, git, in_target, run, sh};
-use crate::{abi, reference};
 
 /// Files and folders of the repository that archives hold under the same names.
 const COPIED: &str = "CHANGELOG.md LICENSE-APACHE LICENSE-MIT assets/car/car_dents.glb assets/demo bindings/unity bindings/unreal \
