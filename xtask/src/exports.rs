@@ -34,13 +34,13 @@ pub fn valid() -> Result<()> {
 /// What the exporter's tests write, and a body that the command dented.
 fn exported() -> Result<Vec<PathBuf>> {
     let (program, body) = (command::tested()?, "assets/demo/hood.glb");
-    let (directory, impacts) = (empty(in_target("exported"))?, in_target("exported.json"));
-    tests(&["--test", "export_gltf"]).env("CRUMPLE_EXPORTED", &directory).run()?;
-    let written = files(&directory)?.len();
-    ensure!(written > 10, "the exporter's tests wrote {written} files to {}", directory.display());
+    let (folder, impacts) = (empty(in_target("exported"))?, in_target("exported.json"));
+    tests(&["--test", "export_gltf"]).env("CRUMPLE_EXPORTED", &folder).run()?;
+    let written = files(&folder)?.len();
+    ensure!(written > 10, "the exporter's tests wrote {written} files to {}", folder.display());
     silent!("{program} sample {body} --count 6 -o {impacts}")?;
-    silent!("{program} apply {body} --impacts {impacts} -o {directory}/hood.glb")?;
-    files(&directory)
+    silent!("{program} apply {body} --impacts {impacts} -o {folder}/hood.glb")?;
+    files(&folder)
 }
 
 /// What other programs write is read, and everything that no dent reached is kept.

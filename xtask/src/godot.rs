@@ -223,11 +223,11 @@ pub fn pack(options: &Options) -> Result<()> {
 
 /// The library of a release build, without paths of this machine.
 fn release(target: &Target) -> Result<PathBuf> {
-    let directory = in_target("godot");
+    let folder = in_target("godot");
     let cargo = target.cargo(&["build", "--release", "--locked", "--manifest-path", "bindings/godot/Cargo.toml"])?;
-    cargo.arg("--target-dir").arg(&directory).run()?;
+    cargo.arg("--target-dir").arg(&folder).run()?;
     let name = if target.is_windows() { "crumple_godot.dll" } else { "libcrumple_godot.so" };
-    let library = if target.cross { directory.join(&target.triple) } else { directory }.join("release").join(name);
+    let library = if target.cross { folder.join(&target.triple) } else { folder }.join("release").join(name);
     nothing_of_this_machine(std::slice::from_ref(&library))?;
     Ok(library)
 }

@@ -55,9 +55,9 @@ pub struct Built {
 impl Built {
     /// In Cargo's folder of a profile.
     pub fn new(target: Target, profile: &str, flavour: &'static Flavour) -> Self {
-        let directory = target.directory(profile);
+        let folder = target.folder(profile);
         let command = flavour.command.then(|| target.built(profile, "crumple"));
-        let (shared, static_library) = (directory.join(target.shared()), directory.join(target.static_library()));
+        let (shared, static_library) = (folder.join(target.shared()), folder.join(target.static_library()));
         Self { target, flavour, shared, static_library, command, handed_out: profile == "dist" }
     }
 
@@ -157,7 +157,7 @@ pub fn lay_out(built: &Built, prefix: &Path) -> Result<()> {
         ("FEATURES", built.flavour.library.join(" ")),
         ("FEATURES_CMAKE", built.flavour.library.join(";")),
     ];
-    for (name, directory) in [
+    for (name, folder) in [
         ("CrumpleConfig.cmake", lib.join("cmake/Crumple")),
         ("CrumpleConfigVersion.cmake", lib.join("cmake/Crumple")),
         ("crumple.pc", lib.join("pkgconfig")),
@@ -166,8 +166,8 @@ pub fn lay_out(built: &Built, prefix: &Path) -> Result<()> {
         let template = read(format!("cmake/{name}.in"))?;
         let text = values.iter().fold(template, |text, (key, value)| text.replace(&format!("@CRUMPLE_{key}@"), value));
         ensure!(!text.contains("@CRUMPLE_"), "cmake/{name}.in asks for what the installer does not know");
-        make(&directory)?;
-        write(directory.join(name), text)?;
+        make(&folder)?;
+        write(folder.join(name), text)?;
     }
     Ok(())
 }

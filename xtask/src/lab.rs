@@ -168,8 +168,8 @@ fn timed<T>(name: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
 /// Stage "engines".
 pub fn engines() -> Result<()> {
     let (programs, out) = (throws()?, in_target("lab-engines"));
-    let directory = programs.join("examples-c");
-    let jolt = cmd!("ctest --test-dir {directory} --tests-regex ^jolt_crash$ --verbose --no-tests=error").run();
+    let folder = programs.join("examples-c");
+    let jolt = cmd!("ctest --test-dir {folder} --tests-regex ^jolt_crash$ --verbose --no-tests=error").run();
     build_as_tested(&["--bin", "crumple-lab"]).run()?;
     let program = Target::host()?.built("debug", "crumple-lab");
     let truths = cmd!("{program} contacts --check --throws {programs} --out {out}").run();
@@ -184,22 +184,22 @@ fn throws() -> Result<PathBuf> {
     }
     let prefix = install::release_prefix()?;
     let source = format!("-DCRUMPLE_JOLT={}", jolt_source()?.display());
-    let directory = in_target("throws");
+    let folder = in_target("throws");
     let build = Build { options: vec![source], ..Build::new("throws", &prefix) };
-    native::compile(&build, &in_root("lab/throws"), &directory)?;
+    native::compile(&build, &in_root("lab/throws"), &folder)?;
     let jobs = jobs().to_string();
-    let build = cmd!("cmake --build {directory} --config RelWithDebInfo --target jolt_crash --parallel {jobs}");
+    let build = cmd!("cmake --build {folder} --config RelWithDebInfo --target jolt_crash --parallel {jobs}");
     build.ignore_stdout().run()?;
-    Ok(directory)
+    Ok(folder)
 }
 
 /// The folder of Jolt's source, which Cargo fetches.
 fn jolt_source() -> Result<PathBuf> {
-    let directory = empty(in_target("jolt"))?;
-    let manifest = directory.join("Cargo.toml");
+    let folder = empty(in_target("jolt"))?;
+    let manifest = folder.join("Cargo.toml");
     let package = "[package]\nname = \"jolt-source\"\nedition = \"2024\"\n[lib]\npath = \"empty.rs\"\n[workspace]\n";
     write(&manifest, format!("{package}[dependencies]\n{JOLT} = \"{JOLT_VERSION}\"\n"))?;
-    write(directory.join("empty.rs"), "")?;
+    write(folder.join("empty.rs"), "")?;
     let packages = packages(&["--manifest-path", &manifest.to_string_lossy()])?;
     let file =
         packages.iter().find(|package| package["name"] == JOLT).and_then(|found| found["manifest_path"].as_str());

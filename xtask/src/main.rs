@@ -71,7 +71,7 @@ enum Command {
     },
     /// Build the C library and install it with its headers, CMake package and pkg-config file
     Install {
-        /// Directory that gets lib/ and include/
+        /// Folder that gets lib/ and include/
         #[arg(long)]
         prefix: PathBuf,
         /// Install a debug build

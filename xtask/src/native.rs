@@ -13,7 +13,7 @@ use crate::tools::{BULLET, ODE, PNG, Tool, VULKAN, VULKAN_HEADERS};
 use crate::workspace::{all, cmd, in_root, in_target, jobs, said, sh, silent};
 use crate::{install, vulkan};
 
-/// CMake projects whose programs are tests, each with the name of its build directory.
+/// CMake projects whose programs are tests, each with the name of its build folder.
 pub const OURS: &[(&str, &str)] = &[("examples-c", "examples-c"), ("tests/c", "tests-c")];
 /// The one that makes every call of the library.
 pub const TESTS: &[(&str, &str)] = &[OURS[1]];
@@ -24,7 +24,7 @@ const ALL: &[(&str, &str)] = &[OURS[0], OURS[1], ("bindings/unity/native~", "uni
 pub struct Build<'a> {
     /// The projects to build.
     pub projects: &'static [(&'static str, &'static str)],
-    /// Name of the directory that holds this kind's builds. Stages that compile alike share one.
+    /// Name of the folder that holds this kind's builds. Stages that compile alike share one.
     pub kind: &'a str,
     pub prefix: &'a Path,
     /// Whether programs run on drivers under Vulkan's validation layer.
@@ -59,22 +59,22 @@ pub fn test_projects(build: &Build<'_>) -> Result<()> {
     let left_out = [build.left_out].into_iter().filter(|names| !names.is_empty());
     let left_out: Vec<&str> = left_out.flat_map(|names| ["--exclude-regex", names]).collect();
     let test = |project: &str, name: &str| -> Result<()> {
-        let directory = in_target("ctest").join(build.kind).join(name);
-        compile(build, Path::new(project), &directory)?;
-        run_tests(&directory, &left_out)
+        let folder = in_target("ctest").join(build.kind).join(name);
+        compile(build, Path::new(project), &folder)?;
+        run_tests(&folder, &left_out)
     };
     all_passed(build.projects.iter().map(|(project, name)| (*project, test(project, name))).collect())
 }
 
 /// Runs the tests of a project that CMake built.
-pub fn run_tests(directory: &Path, options: &[&str]) -> Result<()> {
+pub fn run_tests(folder: &Path, options: &[&str]) -> Result<()> {
     let jobs = jobs().to_string();
-    cmd!("ctest --test-dir {directory} --parallel {jobs} --output-on-failure --no-tests=error {options...}").run()?;
+    cmd!("ctest --test-dir {folder} --parallel {jobs} --output-on-failure --no-tests=error {options...}").run()?;
     Ok(())
 }
 
 /// Builds a project against an installed library.
-pub fn compile(build: &Build<'_>, source: &Path, directory: &Path) -> Result<()> {
+pub fn compile(build: &Build<'_>, source: &Path, folder: &Path) -> Result<()> {
     let Build { prefix, options, launcher, validation, .. } = build;
     let (jobs, on) = (jobs().to_string(), |on: bool| if on { "ON" } else { "OFF" });
     let drivers: Vec<_> = build.drivers.iter().map(|manifest| manifest.to_string_lossy()).collect();
@@ -83,12 +83,12 @@ pub fn compile(build: &Build<'_>, source: &Path, directory: &Path) -> Result<()>
     let here = |tools: &[Tool]| on(!build.cross && tools.iter().all(|tool| tool.here()));
     let (ode, bullet, vulkan) = (here(&[ODE]), here(&[BULLET]), here(&[VULKAN_HEADERS, PNG]));
     silent!(
-        "cmake -S {source} -B {directory} -DCMAKE_PREFIX_PATH={prefix} -DCMAKE_BUILD_TYPE=RelWithDebInfo {options...}
+        "cmake -S {source} -B {folder} -DCMAKE_PREFIX_PATH={prefix} -DCMAKE_BUILD_TYPE=RelWithDebInfo {options...}
          -DCRUMPLE_REQUIRE_ODE={ode} -DCRUMPLE_REQUIRE_BULLET={bullet} -DCRUMPLE_REQUIRE_VULKAN={vulkan}
          -DCRUMPLE_VULKAN_DRIVERS={drivers} -DCRUMPLE_VULKAN_VALIDATION={validation}
          -DCMAKE_CROSSCOMPILING_EMULATOR={launcher} -DCMAKE_POLICY_DEFAULT_CMP0158=OLD --no-warn-unused-cli"
     )?;
-    Ok(cmd!("cmake --build {directory} --config RelWithDebInfo --parallel {jobs}").ignore_stdout().run()?)
+    Ok(cmd!("cmake --build {folder} --config RelWithDebInfo --parallel {jobs}").ignore_stdout().run()?)
 }
 
 pub fn ctest() -> Result<()> {
@@ -107,10 +107,10 @@ pub fn ctest() -> Result<()> {
 /// Builds and tests the VulkanSceneGraph client if CMake finds that engine. No distribution packages it, so the environment's
 /// `CMAKE_PREFIX_PATH` must name it.
 fn engine(build: &Build<'_>) -> Result<()> {
-    let directory = in_target("ctest").join(build.kind).join("vsg");
-    compile(build, &in_root("bindings/vsg"), &directory)?;
-    if directory.join("vsg_hood").exists() {
-        return run_tests(&directory, &[]);
+    let folder = in_target("ctest").join(build.kind).join("vsg");
+    compile(build, &in_root("bindings/vsg"), &folder)?;
+    if folder.join("vsg_hood").exists() {
+        return run_tests(&folder, &[]);
     }
     println!("bindings/vsg is left out: it needs VulkanSceneGraph in CMAKE_PREFIX_PATH, and libpng");
     Ok(())

@@ -10,15 +10,16 @@ use crate::workspace::{cmd, in_target, run};
 
 const VALIDATOR: &str = "gltf-validator@2.0.0-dev.3.10";
 
-/// Installs packages of npm, `NAME@VERSION`, below a folder of the target directory that has nothing else, if they are not there. Returns their folder.
+/// Installs packages of npm, `NAME@VERSION`, if they are not there, in a folder below the target directory that has nothing else. Returns
+/// the folder of the modules.
 pub fn modules(folder: &str, packages: &[&str]) -> Result<PathBuf> {
-    let directory = in_target(folder);
-    let modules = directory.join("node_modules");
+    let home = in_target(folder);
+    let modules = home.join("node_modules");
     let name = |package: &str| package.split('@').next().unwrap_or_default().to_owned();
     if !packages.iter().all(|package| modules.join(name(package)).is_dir()) {
-        empty(&directory)?;
+        empty(&home)?;
         let install = ["install", "--loglevel=error", "--no-audit", "--no-fund", "--prefix"];
-        let installed = cmd!("npm {install...} {directory} {packages...}").run();
+        let installed = cmd!("npm {install...} {home} {packages...}").run();
         installed.with_context(|| {
             let packages = packages.join(" ");
             LeftOut::Missing(format!("packages of npm cannot be had; to see why: npm install {packages}"))

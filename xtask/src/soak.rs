@@ -27,21 +27,21 @@ pub struct Options {
 }
 
 pub fn run(options: &Options) -> Result<()> {
-    let (prefix, directory) = (install::release_prefix()?, in_target("ctest/release/tests-c"));
-    native::compile(&Build::new("release", &prefix), Path::new("tests/c"), &directory)?;
+    let (prefix, folder) = (install::release_prefix()?, in_target("ctest/release/tests-c"));
+    native::compile(&Build::new("release", &prefix), Path::new("tests/c"), &folder)?;
     if let Some(frames) = options.frames {
-        return times(&directory, &frames.to_string());
+        return times(&folder, &frames.to_string());
     }
     let Options { hours, bodies, seed, .. } = options;
     let seconds = 3600.0 * hours;
-    Ok(cmd!("{directory}/soak").args([seconds.to_string(), bodies.to_string(), seed.to_string()]).run()?)
+    Ok(cmd!("{folder}/soak").args([seconds.to_string(), bodies.to_string(), seed.to_string()]).run()?)
 }
 
 /// On the last core, where the system has a command for that.
-fn times(directory: &Path, frames: &str) -> Result<()> {
+fn times(folder: &Path, frames: &str) -> Result<()> {
     let (last, linux) = ((jobs() - 1).to_string(), cfg!(target_os = "linux"));
     for name in ["times", "vulkan_times"] {
-        let program = directory.join(name);
+        let program = folder.join(name);
         if !program.exists() {
             println!("Vulkan is left out: its headers are not installed");
         } else if linux {

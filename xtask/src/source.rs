@@ -15,23 +15,23 @@ const REQUIREMENTS: &str = "xtask/package/requirements.txt";
 /// A program fetches the library's source with CMake, which builds it by Cargo. The same project installs the files that
 /// `cargo xtask install` does, and a program finds them.
 pub fn cmake() -> Result<()> {
-    let (prefix, directory, root) = (install::release_prefix()?, empty(in_target("cmake"))?, root());
+    let (prefix, folder, root) = (install::release_prefix()?, empty(in_target("cmake"))?, root());
     // Cargo finds what the installer built.
     let _flags = sh().push_env(FLAGS, anywhere()?);
     let target = target_folder();
     let build = |source: &Path, name: &str, option: &str| -> Result<()> {
-        silent!("cmake -S {source} -B {directory}/{name} -DCRUMPLE_CARGO_TARGET_DIR={target} {option}")?;
-        Ok(cmd!("cmake --build {directory}/{name}").ignore_stdout().run()?)
+        silent!("cmake -S {source} -B {folder}/{name} -DCRUMPLE_CARGO_TARGET_DIR={target} {option}")?;
+        Ok(cmd!("cmake --build {folder}/{name}").ignore_stdout().run()?)
     };
     build(root, "library", "-DCRUMPLE_INSTALL=ON")?;
-    let installed = directory.join("prefix");
-    cmd!("cmake --install {directory}/library --prefix {installed}").ignore_stdout().run()?;
+    let installed = folder.join("prefix");
+    cmd!("cmake --install {folder}/library --prefix {installed}").ignore_stdout().run()?;
     run!("diff --recursive {prefix} {installed}")?;
     let fetched = format!("-DCRUMPLE_SOURCE={}", root.display());
     let found = format!("-DCMAKE_PREFIX_PATH={}", installed.display());
     for (name, option) in [("fetched", fetched), ("found", found)] {
         build(Path::new(CLIENT), name, &option)?;
-        native::run_tests(&directory.join(name), &[])?;
+        native::run_tests(&folder.join(name), &[])?;
     }
     Ok(())
 }

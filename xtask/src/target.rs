@@ -65,13 +65,13 @@ impl Target {
     }
 
     /// The folder that holds the builds of a profile.
-    pub fn directory(&self, profile: &str) -> PathBuf {
+    pub fn folder(&self, profile: &str) -> PathBuf {
         if self.cross { cross().join(&self.triple) } else { target_folder() }.join(profile)
     }
 
     /// A program that Cargo built.
     pub fn built(&self, profile: &str, program: &str) -> PathBuf {
-        self.directory(profile).join(self.program(program))
+        self.folder(profile).join(self.program(program))
     }
 
     /// A program of GNU's compiler or binutils for this system: `gcc`, `strip`.

@@ -65,7 +65,7 @@ fn lay_out(modules: &Path, out: &Path) -> Result<()> {
     copy_licenses(&package)?;
     build()?;
     let web = Target::other(WEB);
-    let module = web.directory("release").join("crumple_web.wasm");
+    let module = web.folder("release").join("crumple_web.wasm");
     copy(&module, &package.join("crumple.wasm"))?;
     licenses::write_all(&licenses::linked_of(PACKAGE, &[web])?, &package)?;
     copy_tree(in_root(PACKAGE).join("demo"), out)?;

@@ -92,15 +92,15 @@ fn unity_plugin(built: &Built, folder: &Path) -> Result<()> {
         println!("Unity's plugin is left out");
         return Ok(());
     }
-    let directory = in_target(format!("package/{}/{}-unity", target.triple, built.flavour.name));
+    let output = in_target(format!("package/{}/{}-unity", target.triple, built.flavour.name));
     let mut build = Build::on(target, "package", folder)?;
     build.options.push("-DCRUMPLE_TESTS=OFF".to_owned());
-    native::compile(&build, &source, &directory)?;
+    native::compile(&build, &source, &output)?;
     let name = if target.is_windows() { "crumple_unity.dll" } else { "libcrumple_unity.so" };
     let plugin = folder.join(UNITY).join("Plugins/x86_64").join(name);
     // Microsoft's builds have a folder for each configuration.
     let configuration = if target.is_windows() && !target.cross { "RelWithDebInfo" } else { "." };
-    copy(directory.join(configuration).join(name), &plugin)?;
+    copy(output.join(configuration).join(name), &plugin)?;
     if target.is_linux() || target.is_mingw() {
         let strip = target.gnu("strip");
         run!("{strip} --strip-unneeded {plugin}")?;
