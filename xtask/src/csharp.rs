@@ -18,7 +18,7 @@ const TESTS: &str = "tests/csharp";
 /// Makes Mono's compiler accept C# 7.2, like Unity's compiler, and fail on warnings.
 const STRICT: &[&str] = &["-langversion:latest", "-unsafe", "-warnaserror", "-debug-"];
 
-pub fn run() -> Result<()> {
+pub fn stage() -> Result<()> {
     let (prefix, built) = (install::release_prefix()?, in_target("csharp"));
     empty(&built)?;
     compile(&built)?;

@@ -56,7 +56,7 @@ pub struct Options {
     demo: bool,
 }
 
-pub fn run() -> Result<()> {
+pub fn stage() -> Result<()> {
     let (engine, project) = (engine()?, empty(in_target("godot/project"))?);
     build()?;
     // The example project with the extension, the hood and the car.
@@ -194,7 +194,7 @@ impl Godot {
     }
 }
 
-pub fn pack(options: &Options) -> Result<()> {
+pub fn run(options: &Options) -> Result<()> {
     let mut targets = vec![Target::host()?];
     if options.windows {
         tools::require(&[WINDOWS_RUST, MINGW])?;

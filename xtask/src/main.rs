@@ -158,7 +158,7 @@ fn run(command: Command) -> Result<()> {
         Command::Install { prefix, debug } => install::run(&prefix, if debug { "debug" } else { "release" }),
         Command::Package(options) => package::run(&options),
         Command::Wheel { out } => python::run(&out),
-        Command::Addon(options) => godot::pack(&options),
+        Command::Addon(options) => godot::run(&options),
         Command::Extension(options) => blender::run(&options),
         Command::Web { out } => web::run(&out),
         Command::Fuzz(options) => fuzz::run(&options),

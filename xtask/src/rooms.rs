@@ -16,7 +16,7 @@ const ROOMS: &str = "base mesh basis predict example damage select bake deform c
 /// A module's path from the root: `["deform", "tracker"]`.
 type Module = Vec<String>;
 
-pub fn run() -> Result<()> {
+pub fn stage() -> Result<()> {
     let source = |path: &PathBuf| Ok((within(Path::new("src"), path)?, read(path)?));
     let sources = files_of("src", &["rs"])?.iter().map(source).collect::<Result<Vec<_>>>()?;
     let findings = check(&sources)?;

@@ -32,7 +32,7 @@ pub struct Options {
 /// The checks that `cargo xtask ci` runs before the tests.
 const CHECKS: &[Stage] = stages! {
     "repository": || repo::run(false), "sizes, shown programs, changelog, .meta files and quoted messages are right";
-    "rooms": rooms::run, "the imports of src keep the order of its rooms";
+    "rooms": rooms::stage, "the imports of src keep the order of its rooms";
     "header": || header::run(true), "the committed header and the C# and Python declarations match the sources";
     "format": || Ok(cargo(&["fmt", "--all", "--check"]).run()?), "rustfmt changes nothing";
     "lints": || clippy(&["--workspace", "--all-targets", "--all-features"]), "clippy finds nothing, with all features";
@@ -61,7 +61,7 @@ const STAGES: &[Stage] = stages! {
         needs: &[CC, CXX, CMAKE, PKG_CONFIG], wants: &[ODE, BULLET, VULKAN_HEADERS, PNG],
         elsewhere: unless(cfg!(not(windows)), "not done on Windows, where pkg-config is rare");
     "abi": abi::stage, "programs built against the last release fit the header of today", needs: &[CC, ABIGAIL];
-    "csharp": csharp::run, "the C# layer works under Mono and rejects libraries that do not fit", needs: &[CC, MONO],
+    "csharp": csharp::stage, "the C# layer works under Mono and rejects libraries that do not fit", needs: &[CC, MONO],
         elsewhere: unless(LINUX, "done with Debian's Mono on Linux only");
     "python": python::stage,
         "the Python package works as a wheel in an environment of its own, and makes examples for bare meshes",
@@ -86,7 +86,7 @@ const STAGES: &[Stage] = stages! {
     "gltf-validator": exports::valid, "the Khronos validator finds nothing wrong with what the command exports",
         needs: &[NPM];
     "crate": source::crates_io, "the crate builds from the files that crates.io gets";
-    "godot": godot::run,
+    "godot": godot::stage,
         "the extension dents meshes in Godot: its classes, both physics engines, the editor's import, a picture",
         needs: &[CC, XVFB], leaves: &["godot"],
         elsewhere: unless(LINUX_X86_64, "the engine is fetched for Linux on x86-64 only");
@@ -107,7 +107,7 @@ const STAGES: &[Stage] = stages! {
         needs: &[CC, CMAKE, AARCH64_RUST, AARCH64_CC, QEMU], leaves: &["cross/aarch64-unknown-linux-gnu"];
     "i686": platforms::i686, "the library and the command for 32-bit x86 work, and write the same bytes as here",
         needs: &[CC, CMAKE, I686_RUST, I686_CC], leaves: &["cross/i686-unknown-linux-gnu"];
-    "vulkan": vulkan::run,
+    "vulkan": vulkan::stage,
         "the Vulkan tests pass on lavapipe under validation; with --all also on SwiftShader, and those of wgpu",
         needs: &[VULKAN], wants: &[SWIFTSHADER];
     "rust": rust, "the Rust tests and documentation examples pass; with --all also those of wgpu, the lab and xtask";

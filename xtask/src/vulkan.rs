@@ -11,7 +11,7 @@ use crate::workspace::{all, in_target, tests};
 
 const MANIFESTS: &str = "/usr/share/vulkan/icd.d";
 
-pub fn run() -> Result<()> {
+pub fn stage() -> Result<()> {
     let drivers = drivers()?;
     let manifests = std::env::join_paths(&drivers)?;
     // The tests fail if one of these drivers or the validation layer is missing.
