@@ -130,10 +130,7 @@ pub fn provide<'t>(wanted: impl IntoIterator<Item = &'t Tool>) -> Vec<Tool> {
     if let Some(privilege) = privilege().filter(|_| !packages.is_empty()) {
         println!("installing what is missing: {}", packages.join(" "));
         let apt = |what: &[&str], packages: &[&str]| {
-            let words = "env DEBIAN_FRONTEND=noninteractive apt-get -q -y".split(' ');
-            let words: Vec<&str> = privilege.iter().copied().chain(words).collect();
-            let (program, words) = (words[0], &words[1..]);
-            cmd!("{program} {words...} {what...} {packages...}").run()
+            cmd!("env {privilege...} env DEBIAN_FRONTEND=noninteractive apt-get -q -y {what...} {packages...}").run()
         };
         // One package that the release lacks must not stop the others.
         let _ = apt(&["update"], &[]);
