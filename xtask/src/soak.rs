@@ -8,6 +8,7 @@ use clap::Args;
 
 use crate::install;
 use crate::native::{self, Build};
+use crate::target::launch;
 use crate::workspace::{cmd, in_target, jobs};
 
 #[derive(Args)]
@@ -39,15 +40,14 @@ pub fn run(options: &Options) -> Result<()> {
 
 /// On the last core, where the system has a command for that.
 fn times(folder: &Path, frames: &str) -> Result<()> {
-    let (last, linux) = ((jobs() - 1).to_string(), cfg!(target_os = "linux"));
+    let last = (jobs() - 1).to_string();
+    let runner: &[&str] = if cfg!(target_os = "linux") { &["taskset", "--cpu-list", &last] } else { &[] };
     for name in ["times", "vulkan_times"] {
         let program = folder.join(name);
-        if !program.exists() {
-            println!("Vulkan is left out: its headers are not installed");
-        } else if linux {
-            cmd!("taskset --cpu-list {last} {program} {frames}").run()?;
+        if program.exists() {
+            launch(runner, &program).arg(frames).run()?;
         } else {
-            cmd!("{program} {frames}").run()?;
+            println!("Vulkan is left out: its headers are not installed");
         }
     }
     Ok(())
