@@ -65,7 +65,7 @@ impl Built {
     /// Cargo's folder.
     pub fn tested() -> Result<Self> {
         let (target, prefix) = (Target::host()?, release_prefix()?);
-        let (shared, static_library) = (shared(&target, &prefix), prefix.join("lib").join(target.static_library()));
+        let (shared, static_library) = (target.shared_in(&prefix), prefix.join("lib").join(target.static_library()));
         let command = Some(command::tested()?);
         Ok(Self { target, flavour: &FULL, shared, static_library, command, handed_out: false })
     }
@@ -127,7 +127,7 @@ fn static_needs(target: &Target) -> Result<Vec<String>> {
 }
 
 pub fn stage() -> Result<()> {
-    abi::exported(&in_root(INCLUDE), &shared(&Target::host()?, &release_prefix()?))
+    abi::exported(&in_root(INCLUDE), &Target::host()?.shared_in(&release_prefix()?))
 }
 
 pub fn run(prefix: &Path, profile: &str) -> Result<()> {
@@ -203,10 +203,6 @@ pub fn import_library(dll: &str, exports: &[String], library: &Path) -> Result<(
     write(&definition, format!("LIBRARY {dll}\nEXPORTS\n{}\n", exports.join("\n")))?;
     run!("llvm-dlltool -m i386:x86-64 -d {definition} -l {library}")?;
     fs::remove_file(&definition).with_context(|| format!("removing {}", definition.display()))
-}
-
-pub fn shared(target: &Target, prefix: &Path) -> PathBuf {
-    prefix.join(if target.is_windows() { "bin" } else { "lib" }).join(target.shared())
 }
 
 /// Checks that a host cannot unload a library for Linux while its threads are still ending, and that a DLL needs only libraries that

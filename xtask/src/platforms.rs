@@ -92,7 +92,7 @@ impl Platform {
         compile(&target)?;
         let platform = Self { target, runner: runner.split(' ').collect(), prefix };
         install::lay_out(&platform.built(), &platform.prefix)?;
-        let shared = install::shared(&platform.target, &platform.prefix);
+        let shared = platform.target.shared_in(&platform.prefix);
         abi::exported(Path::new(INCLUDE), &shared)?;
         install::loads_well(&platform.target, &shared)?;
         Ok(platform)

@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 
 use crate::files::{announce, copy, copy_into, copy_licenses, copy_sources, empty, files, read, write};
-use crate::install;
 use crate::package::{self, licenses};
 use crate::stage::LeftOut;
 use crate::target::Target;
@@ -56,7 +55,7 @@ pub fn build(handed_out: bool, out: &Path) -> Result<PathBuf> {
     copy_licenses(&source)?;
     [licenses::FILE, licenses::STANDARD_LIBRARY].iter().try_for_each(|name| copy_into(folder.join(name), &source))?;
     let (binaries, target) = (source.join("src/crumple/_bin"), Target::host()?);
-    copy(install::shared(&target, &folder), &binaries.join(target.shared()))?;
+    copy(target.shared_in(&folder), &binaries.join(target.shared()))?;
     copy_into(folder.join("bin").join(target.program("crumple")), &binaries)?;
     run!("{python} {PIP...} wheel --no-build-isolation --no-deps --no-index --wheel-dir {out} {source}")?;
     match files(out)?.as_slice() {

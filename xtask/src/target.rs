@@ -55,6 +55,11 @@ impl Target {
         if self.is_windows() { "crumple.dll" } else { unix }
     }
 
+    /// The shared library in an installed folder.
+    pub fn shared_in(&self, prefix: &Path) -> PathBuf {
+        prefix.join(if self.is_windows() { "bin" } else { "lib" }).join(self.shared())
+    }
+
     /// The file of the static library, as Cargo names it.
     pub fn static_library(&self) -> &'static str {
         if self.is_windows() && !self.is_mingw() { "crumple.lib" } else { "libcrumple.a" }

@@ -39,7 +39,7 @@ pub fn check(built: &Built, archive: &Path, wine: Option<&Wine>) -> Result<()> {
     let (scratch, target) = (tempfile::tempdir()?, &built.target);
     let (root, runner) = (scratch.path(), Vec::from_iter(wine.map(|wine| wine.program)));
     let folder = unpack(built, archive, root)?;
-    install::loads_well(target, &install::shared(target, &folder))?;
+    install::loads_well(target, &target.shared_in(&folder))?;
     let _found = wine.map(|wine| wine.libraries(&[&folder.join("bin")]));
     command(built, &folder, &runner)?;
     client(built, root, &folder, &runner)?;
@@ -70,7 +70,7 @@ fn unpack(built: &Built, archive: &Path, root: &Path) -> Result<PathBuf> {
     let manifest: Value = serde_json::from_str(&read(folder.join(manifest::FILE))?).context("reading the manifest")?;
     let files = manifest::entries(&folder)?;
     ensure!(manifest["files"] == Value::from(files), "{} is not what its manifest says", archive.display());
-    abi::exported(&folder.join("include"), &install::shared(&built.target, &folder))?;
+    abi::exported(&folder.join("include"), &built.target.shared_in(&folder))?;
     Ok(folder)
 }
 
