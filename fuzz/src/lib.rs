@@ -2,21 +2,18 @@
 
 pub mod baked;
 pub mod calls;
-#[cfg(fuzzing)]
-mod coverage;
 pub mod scene;
 pub mod seeds;
 
 pub use libfuzzer_sys;
 
 /// Makes a program of libFuzzer that runs `run` with bytes. With `CRUMPLE_SEEDS=FOLDER` it first writes the seeds to that
-/// folder: pairs of a file name and bytes. With `CRUMPLE_COVERAGE=FILE` too, it runs the files of the folder and writes which
-/// places they reach.
+/// folder: pairs of a file name and bytes.
 #[macro_export]
 macro_rules! target {
     ($run:expr, seeds: $seeds:expr) => {
         use $crate::libfuzzer_sys;
-        libfuzzer_sys::fuzz_target!(init: $crate::begin($run, $seeds), |data: &[u8]| {
+        libfuzzer_sys::fuzz_target!(init: $crate::begin($seeds), |data: &[u8]| {
             // The type annotation of a function lets a target pass a function or a closure.
             let run: fn(&[u8]) = $run;
             run(data)
@@ -25,12 +22,7 @@ macro_rules! target {
 }
 
 /// What a target does before it is run.
-pub fn begin(run: fn(&[u8]), seeds: fn() -> seeds::Seeds) {
+pub fn begin(seeds: fn() -> seeds::Seeds) {
     let Some(folder) = std::env::var_os("CRUMPLE_SEEDS") else { return };
     seeds::write(seeds, folder.as_ref());
-    #[cfg(fuzzing)]
-    if let Some(report) = std::env::var_os("CRUMPLE_COVERAGE") {
-        coverage::report(run, folder.as_ref(), report.as_ref());
-    }
-    let _ = run;
 }

@@ -1,6 +1,15 @@
 //! The binary interface: what the library exports, and what programs built against the last release rely on (`docs/abi.md`).
 
-use crate::prelude::*;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail, ensure};
+use object::Object;
+
+use crate::declarations::{self, HEADERS, INCLUDE, Item};
+use crate::files::{bytes, files_of, read, write};
+use crate::stage::LeftOut;
+use crate::workspace::{VERSION, run};
 
 /// Differences that abidiff does not report.
 const SUPPRESSED: &str = "tests/abi/abidiff.suppressions";
@@ -23,7 +32,7 @@ pub fn stage() -> Result<()> {
     };
     let scratch = tempfile::tempdir()?;
     let released = stand_in(&read(&path)?, &scratch.path().join("released.so"))?;
-    let present = stand_in(&declarations::read(INCLUDE)?, &scratch.path().join("present.so"))?;
+    let present = stand_in(&interface()?, &scratch.path().join("present.so"))?;
     run!("abidiff --no-added-syms --suppressions {SUPPRESSED} {released} {present}").with_context(|| {
         format!("programs built against the headers of {version} do not fit these; docs/abi.md has the rules")
     })?;
@@ -33,11 +42,18 @@ pub fn stage() -> Result<()> {
 
 /// Keeps the headers as those of a release of the present version.
 pub fn keep() -> Result<()> {
-    let (text, file) = (declarations::read(INCLUDE)?, format!("{RELEASED}/{VERSION}.h"));
-    let lines = text.lines().filter(|line| !line.trim().is_empty() && !line.trim_start().starts_with("//"));
-    write(&file, lines.flat_map(|line| [line, "\n"]).collect::<String>())?;
+    let file = format!("{RELEASED}/{VERSION}.h");
+    write(&file, interface()?)?;
     println!("wrote {file}");
     Ok(())
+}
+
+/// The declarations of the headers in one file, without comments.
+fn interface() -> Result<String> {
+    let text = declarations::read(INCLUDE, &HEADERS)?;
+    let left_out = |line: &str| line.is_empty() || line.starts_with("//") || line.starts_with("#include \"");
+    let lines = text.lines().filter(|line| !left_out(line.trim_start()));
+    Ok(lines.flat_map(|line| [line, "\n"]).collect())
 }
 
 /// The name under which programs load the library of a version: before 1.0 the minor version is in it. `build.rs` sets it.

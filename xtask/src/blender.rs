@@ -1,6 +1,16 @@
 //! The Blender extension: packs it with the wheel, and tests the packed file in Blender.
 
-use crate::prelude::*;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail, ensure};
+use clap::Args;
+
+use crate::files::{copy_into, copy_licenses, copy_sources, empty, name, read, write};
+use crate::package::{archive, markdown};
+use crate::stage::LeftOut;
+use crate::tools::{PYTHON311, XVFB};
+use crate::workspace::{Display, VERSION, cmd, ended, in_root, in_target, run, sh, silent};
+use crate::{debian, python};
 
 const BINDING: &str = "bindings/blender";
 const MANIFEST: &str = "blender_manifest.toml";

@@ -1,7 +1,18 @@
 //! The car: `cargo xtask car` makes the passenger car of assets/car, draws it, and makes its examples; `cargo xtask demo` crashes it with
 //! impacts and writes pictures and a GLB.
 
-use crate::prelude::*;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::{Result, bail, ensure};
+use clap::Args;
+
+use crate::files::{empty, make, write};
+use crate::stage::LeftOut;
+use crate::target::Target;
+use crate::tools::{NPM, PYTHON3};
+use crate::workspace::{in_root, in_target, run, said, sh, silent};
+use crate::{blender, command, node, python};
 
 const ASSETS: &str = "assets/car";
 /// Examples that the repository keeps, some 40 kB each.
@@ -54,7 +65,7 @@ pub fn stage() -> Result<()> {
     }
     let files =
         ["car", "car_coarse", "car_body", "car_inner", "car_collider"].map(|name| out.join(format!("{name}.glb")));
-    match tools::validate(&files) {
+    match node::validate(&files) {
         Err(error) if error.is::<LeftOut>() => bail!(LeftOut::Part(format!("{error:#}"))),
         judged => judged,
     }

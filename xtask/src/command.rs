@@ -1,6 +1,11 @@
 //! Builds the `crumple` command.
 
-use crate::prelude::*;
+use std::path::PathBuf;
+
+use anyhow::Result;
+
+use crate::target::Target;
+use crate::workspace::build_as_tested;
 
 /// The features of the released command, beside the default ones.
 pub const FEATURES: &str = "cli,wgpu";
@@ -8,13 +13,12 @@ pub const FEATURES: &str = "cli,wgpu";
 /// The command that the tests use.
 pub fn tested() -> Result<PathBuf> {
     build_as_tested(&["--bin", "crumple"]).run()?;
-    let target = Target::host()?;
-    Ok(target.directory("debug").join(target.program("crumple")))
+    Ok(Target::host()?.built("debug", "crumple"))
 }
 
 /// An optimized command, without paths of this machine.
 pub fn optimized(target: &Target, profile: &str, features: &str) -> Result<PathBuf> {
     let what = ["build", "--profile", profile, "--bin", "crumple", "--package", "crumple", "--features", features];
     target.cargo(&what)?.run()?;
-    Ok(target.directory(profile).join(target.program("crumple")))
+    Ok(target.built(profile, "crumple"))
 }

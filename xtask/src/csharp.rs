@@ -1,15 +1,24 @@
 //! Tests of the C# layer above the generated declarations, under Mono.
 
-use crate::declarations::csharp::{HEADERS, pascal};
-use crate::prelude::*;
 use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use heck::ToUpperCamelCase;
+
+use crate::declarations::csharp::HEADERS;
+use crate::declarations::{self, Form, INCLUDE, Item};
+use crate::files::{empty, files_of, write};
+use crate::install;
+use crate::workspace::{VERSION, cmd, in_root, in_target, run, said};
 
 const RUNTIME: &str = "bindings/unity/Runtime";
 const TESTS: &str = "tests/csharp";
 /// Makes Mono's compiler accept C# 7.2, like Unity's compiler, and fail on warnings.
 const STRICT: &[&str] = &["-langversion:latest", "-unsafe", "-warnaserror", "-debug-"];
 
-pub fn run() -> Result<()> {
+pub fn stage() -> Result<()> {
     let (prefix, built) = (install::release_prefix()?, in_target("csharp"));
     empty(&built)?;
     compile(&built)?;
@@ -49,8 +58,8 @@ fn compile(built: &Path) -> Result<()> {
 /// Writes the sizes and offsets that the C compiler uses to a file, which the tests read.
 fn layouts(prefix: &Path, built: &Path) -> Result<PathBuf> {
     let (source, program, table) = (built.join("layout.c"), built.join("layout"), built.join("layout.txt"));
-    let headers = HEADERS.iter().map(|name| read(Path::new(INCLUDE).join(name))).collect::<Result<Vec<_>>>()?;
-    write(&source, layout_program(&declarations::header(&declarations::joined(&headers))?)?)?;
+    let headers = declarations::read(INCLUDE, HEADERS)?;
+    write(&source, layout_program(&declarations::header(&headers)?)?)?;
     let include = prefix.join("include");
     run!("cc -std=c11 -Wall -Werror -I {include} {source} -o {program}")?;
     write(&table, said!("{program}")?)?;
@@ -68,9 +77,10 @@ fn layout_program(items: &[Item]) -> Result<String> {
         for field in fields {
             // C# has no arrays of structs or enums in structs, so each element is a field.
             let apart = field.kind.array.filter(|_| declarations::declared(items, &field.kind.base).is_some());
-            let element = |at| (format!("{}[{at}]", field.name), format!("{}{at}", pascal(&field.name)));
+            let element = |at| (format!("{}[{at}]", field.name), format!("{}{at}", field.name.to_upper_camel_case()));
             let elements = apart.map(|length| (0..length).map(element).collect());
-            for (own, there) in elements.unwrap_or_else(|| vec![(field.name.clone(), pascal(&field.name))]) {
+            for (own, there) in elements.unwrap_or_else(|| vec![(field.name.clone(), field.name.to_upper_camel_case())])
+            {
                 let place = format!("offsetof({name}, {own}), sizeof((({name} *)0)->{own})");
                 writeln!(text, "    printf(\"{name}.{there} %zu %zu\\n\", {place});")?;
             }

@@ -1,6 +1,13 @@
 //! Programs of Debian sid with their own C library and Mesa's driver, unpacked into a folder beside the system.
 
-use crate::prelude::*;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+
+use crate::files::{empty, files, files_of, make, write};
+use crate::stage::LeftOut;
+use crate::workspace::{cmd, in_target, run, sh};
 
 /// Signs the packages.
 const KEYS: &str = "/usr/share/keyrings/debian-archive-keyring.gpg";

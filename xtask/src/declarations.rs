@@ -1,12 +1,16 @@
 //! Reads the headers: the few forms of C that cbindgen writes, with their comments. Any other line is an error, so no declaration can
 //! be missing from what is generated.
 
-use crate::prelude::*;
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::sync::LazyLock;
+
+use anyhow::{Context, Result, bail, ensure};
+use heck::ToShoutySnakeCase;
+use regex_lite::{Captures, Regex};
 
 pub mod csharp;
 pub mod python;
-
-use std::sync::LazyLock;
 
 pub const INCLUDE: &str = "include";
 /// The headers, each after those that it includes: the first words of the parts of that file.
@@ -17,15 +21,9 @@ pub static HEADERS: LazyLock<Vec<&str>> =
 /// and the first lines of its opening comment, which crumple.h has in cbindgen.toml.
 pub const PARTS: &str = include_str!("../headers.txt");
 
-/// The headers of a folder as one text.
-pub fn read(include: impl AsRef<Path>) -> Result<String> {
-    Ok(joined(&HEADERS.iter().map(|name| crate::files::read(include.as_ref().join(name))).collect::<Result<Vec<_>>>()?))
-}
-
-/// Headers, each after those that it includes, as one text.
-pub fn joined(headers: &[String]) -> String {
-    let lines = headers.iter().flat_map(|text| text.lines()).filter(|line| !line.starts_with("#include \""));
-    lines.flat_map(|line| [line, "\n"]).collect()
+/// Headers of a folder as one text.
+pub fn read(include: impl AsRef<Path>, headers: &[&str]) -> Result<String> {
+    headers.iter().map(|name| crate::files::read(include.as_ref().join(name))).collect()
 }
 
 /// A C type: its name, the number of pointer stars, and the array length.
@@ -71,13 +69,13 @@ pub fn functions(text: &str) -> Result<Vec<Item>> {
 
 /// Their names, of the headers of a folder.
 pub fn names(include: impl AsRef<Path>) -> Result<BTreeSet<String>> {
-    Ok(functions(&read(include)?)?.into_iter().map(|item| item.name).collect())
+    Ok(functions(&read(include, &HEADERS)?)?.into_iter().map(|item| item.name).collect())
 }
 
 /// What all enumerators of a type begin with: its own name where they do, as those of results do not.
-fn prefix(name: &str, variants: &[Variant]) -> Result<String> {
-    let own = Regex::new("([a-z0-9])([A-Z])")?.replace_all(name, "${1}_$2").to_uppercase() + "_";
-    Ok(if variants.iter().all(|(name, _)| name.starts_with(&own)) { own } else { "CRUMPLE_".to_owned() })
+fn prefix(name: &str, variants: &[Variant]) -> String {
+    let own = name.to_shouty_snake_case() + "_";
+    if variants.iter().all(|(name, _)| name.starts_with(&own)) { own } else { "CRUMPLE_".to_owned() }
 }
 
 /// The numbers of C, each with its name in C#.
@@ -115,7 +113,7 @@ pub fn wrapped(declaration: &str, width: usize, indent: usize) -> String {
 const DECLARATION: &str =
     r"(?m)((?:^///.*\n)*)^(#define \w+ +.+|typedef (?:enum|struct) \w+ \{\n(?s:.*?)\n\} \w+;|[^\n#/{}][^;{}#]*;)\n";
 /// Lines without a declaration.
-const IGNORED: &str = r#"^(|//.*|#ifdef __cplusplus|extern "C" \{|\}  // extern.*|#ifndef CRUMPLE_.*|#define CRUMPLE_(\w*_)?H|#include <std.*|#endif.*)$"#;
+const IGNORED: &str = r#"^(|//.*|#ifdef __cplusplus|extern "C" \{|\}  // extern.*|#ifndef CRUMPLE_.*|#define CRUMPLE_(\w*_)?H|#include .*|#endif.*)$"#;
 
 /// Everything that the header declares, in header order.
 pub fn header(text: &str) -> Result<Vec<Item>> {

@@ -2,7 +2,14 @@
 //! check our files. A plate with two dents goes through the exporters of Blender, three.js, assimp, trimesh and Godot, and what they
 //! wrote is swept. Each program is installed in one pinned version below the target directory.
 
-use crate::prelude::*;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Result, ensure};
+use xshell::Cmd;
+
+use crate::files::{empty, files, make};
+use crate::workspace::{cmd, in_root, in_target, silent, tests};
+use crate::{blender, command, godot, node, python};
 
 const SCRIPTS: &str = "tests/exporters";
 const THREE: &str = "three@0.187.0";
@@ -21,19 +28,19 @@ pub fn opened_by_blender() -> Result<()> {
 
 /// The validator finds no error and no warning in the same files.
 pub fn valid() -> Result<()> {
-    tools::validate(&exported()?)
+    node::validate(&exported()?)
 }
 
 /// What the exporter's tests write, and a body that the command dented.
 fn exported() -> Result<Vec<PathBuf>> {
     let (program, body) = (command::tested()?, "assets/demo/hood.glb");
-    let (directory, impacts) = (empty(in_target("exported"))?, in_target("exported.json"));
-    tests(&["--test", "export_gltf"]).env("CRUMPLE_EXPORTED", &directory).run()?;
-    let written = files(&directory)?.len();
-    ensure!(written > 10, "the exporter's tests wrote {written} files to {}", directory.display());
+    let (folder, impacts) = (empty(in_target("exported"))?, in_target("exported.json"));
+    tests(&["--test", "export_gltf"]).env("CRUMPLE_EXPORTED", &folder).run()?;
+    let written = files(&folder)?.len();
+    ensure!(written > 10, "the exporter's tests wrote {written} files to {}", folder.display());
     silent!("{program} sample {body} --count 6 -o {impacts}")?;
-    silent!("{program} apply {body} --impacts {impacts} -o {directory}/hood.glb")?;
-    files(&directory)
+    silent!("{program} apply {body} --impacts {impacts} -o {folder}/hood.glb")?;
+    files(&folder)
 }
 
 /// What other programs write is read, and everything that no dent reached is kept.
@@ -53,7 +60,7 @@ pub fn sweep(test: Cmd, folder: &Path, options: &str) -> Result<()> {
 /// Each program writes into a folder of its own. All but Blender read what Blender wrote.
 fn export(exports: &Path) -> Result<()> {
     let (blender, trimesh) = (blender::module(blender::NEWEST)?, python::tested_environment()?);
-    let (modules, godot) = (tools::npm(&in_target("three"), &[THREE])?, godot::engine()?);
+    let (modules, godot) = (node::modules("three", &[THREE])?, godot::engine()?);
     ["assimp", "godot"].iter().try_for_each(|name| make(exports.join(name)))?;
     let plain = exports.join("blender/plain.glb");
     cmd!("{blender} {SCRIPTS}/blender.py {exports}/blender").ignore_stdout().ignore_stderr().run()?;

@@ -1,6 +1,11 @@
 //! What many stages do with files and folders. Errors name the path.
 
-use crate::prelude::*;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
+
+use crate::workspace::{git, sh};
 
 /// The folder, emptied or created.
 pub fn empty<P: AsRef<Path>>(folder: P) -> Result<P> {
@@ -104,14 +109,13 @@ pub fn copy_tree(from: impl AsRef<Path>, to: &Path) -> Result<()> {
     files(from)?.iter().try_for_each(|file| copy(file, &to.join(within(from, file)?)))
 }
 
-/// Two folders hold the same files with the same bytes. Returns how many.
-pub fn same_files(one: &Path, other: &Path) -> Result<usize> {
-    let relative = |folder: &Path| files(folder)?.iter().map(|file| within(folder, file)).collect::<Result<Vec<_>>>();
-    let (names, others) = (relative(one)?, relative(other)?);
-    ensure!(names == others, "{} holds {names:?}, {} holds {others:?}", one.display(), other.display());
-    for name in &names {
-        let (one, other) = (one.join(name), other.join(name));
-        ensure!(bytes(&one)? == bytes(&other)?, "{} and {} differ", one.display(), other.display());
-    }
-    Ok(names.len())
+/// Copies those files of `parts` of a folder into another that git does not ignore.
+pub fn copy_sources(folder: &str, parts: &[&str], to: &Path) -> Result<()> {
+    let list = ["-C", folder, "ls-files", "--cached", "--others", "--exclude-standard", "--"];
+    let listed = git(&[&list[..], parts].concat())?;
+    listed.lines().try_for_each(|name| copy(Path::new(folder).join(name), &to.join(name)))
+}
+
+pub fn copy_licenses(to: &Path) -> Result<()> {
+    ["LICENSE-MIT", "LICENSE-APACHE"].iter().try_for_each(|license| copy_into(license, to))
 }

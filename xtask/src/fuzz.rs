@@ -1,6 +1,15 @@
 //! Coverage-guided fuzzing on the stable toolchain. Code generation flags switch on the compiler's coverage pass.
 
-use crate::prelude::*;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Result, ensure};
+use clap::Args;
+
+use crate::files::{copy_into, empty, files, make};
+use crate::vulkan;
+use crate::workspace::{cmd, in_root, in_target, jobs, run, rustc_says, side_by_side, sysroot};
 
 /// Instruments the code for libFuzzer's coverage.
 const COVERAGE: &str = "--cfg=fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 \
@@ -33,11 +42,11 @@ pub struct Options {
     /// Build with the address sanitizer too, which finds wrong accesses to memory; slower
     #[arg(long)]
     address: bool,
-    /// Profile of fuzz/Cargo.toml to build with
-    #[arg(long, default_value = "release", hide = true)]
-    profile: String,
-    /// Fuzz nothing: print which lines of src the corpora reach
-    #[arg(long, conflicts_with = "keep")]
+    /// The profile of fuzz/Cargo.toml to build with.
+    #[arg(skip = "release")]
+    profile: &'static str,
+    /// Fuzz nothing: print how much of each file of src the inputs reach; installs rustup's llvm-tools
+    #[arg(long, conflicts_with_all = ["keep", "address"])]
     coverage: bool,
     /// Fuzz nothing: choose the inputs in fuzz/corpus anew, from the corpora
     #[arg(long)]
@@ -52,17 +61,18 @@ pub fn run(options: &Options) -> Result<()> {
     let [home, programs] = build(options)?;
     let corpora = options.corpus.clone().unwrap_or_else(|| in_target("fuzz/corpus"));
     let chosen = targets.iter().filter(|name| options.target.is_empty() || options.target.contains(name));
-    let mut chosen = chosen.map(|name| {
+    let target = |name| -> Target<'_> {
         let (corpus, kept) = (corpora.join(name), in_root("fuzz/corpus").join(name));
         Target { name, program: programs.join(name), corpus, kept }
-    });
+    };
+    let chosen: Vec<_> = chosen.map(String::as_str).map(target).collect();
     if options.coverage {
-        return coverage(chosen);
+        return coverage(options, &home, &chosen);
     }
     if options.keep {
-        return chosen.try_for_each(|target| target.keep());
+        return chosen.iter().try_for_each(Target::keep);
     }
-    let fuzzers = chosen.map(|target| target.fuzzer(options, &home.join("found").join(target.name)));
+    let fuzzers = chosen.iter().map(|target| target.fuzzer(options, &home.join("found").join(target.name)));
     side_by_side(options.jobs, fuzzers.collect::<Result<_>>()?)
 }
 
@@ -115,46 +125,23 @@ impl Target<'_> {
         println!("{} holds {} files", kept.display(), files(kept)?.len());
         Ok(())
     }
-
-    /// Runs the corpus once. Adds to `lines` those of `src` where the compiler counts, each with whether it was reached: binutils'
-    /// addr2line names the lines of the places.
-    fn lines(&self, lines: &mut BTreeMap<(String, u32), bool>) -> Result<()> {
-        let Self { program, corpus, .. } = self;
-        make(corpus)?;
-        let places = corpus.with_extension("places");
-        cmd!("{program}").env("CRUMPLE_SEEDS", corpus).env("CRUMPLE_COVERAGE", &places).run()?;
-        let places = read(&places)?;
-        let (addresses, reached): (Vec<&str>, Vec<bool>) =
-            places.lines().filter_map(|line| line.split_once(' ')).map(|(address, hit)| (address, hit == "1")).unzip();
-        let named = cmd!("addr2line -e {program}").stdin(addresses.join("\n")).read()?;
-        ensure!(named.lines().count() == reached.len(), "addr2line named another number of lines");
-        for (line, reached) in named.lines().zip(reached) {
-            // FILE:LINE, and sometimes " (discriminator 2)".
-            let place = line.split(' ').next().and_then(|line| line.rsplit_once(':'));
-            let Some((file, number)) = place else { continue };
-            if let (Ok(file), Ok(number)) = (within(&in_root("src"), Path::new(file)), number.parse()) {
-                *lines.entry((file, number)).or_default() |= reached;
-            }
-        }
-        Ok(())
-    }
 }
 
-/// Prints for each room how many of the lines where the compiler counts any of the targets reached.
-fn coverage<'a>(mut targets: impl Iterator<Item = Target<'a>>) -> Result<()> {
-    let (mut lines, mut rooms) = (BTreeMap::new(), BTreeMap::<&str, (usize, usize)>::new());
-    targets.try_for_each(|target| target.lines(&mut lines))?;
-    for ((file, _), reached) in &lines {
-        for room in [file.split_once('/').map_or(".", |(room, _)| room), "all"] {
-            let (hit, all) = rooms.entry(room).or_default();
-            (*hit, *all) = (*hit + usize::from(*reached), *all + 1);
-        }
-    }
-    println!("| room | lines reached | lines where the compiler counts | |\n|---|---|---|---|");
-    for (room, (hit, all)) in rooms {
-        println!("| `{room}` | {hit} | {all} | {:.0} % |", 100.0 * hit as f64 / all as f64);
-    }
-    Ok(())
+/// Runs all inputs once, and prints how much of each file of `src` they reach together.
+fn coverage(options: &Options, home: &Path, targets: &[Target<'_>]) -> Result<()> {
+    let (profiles, merged) = (empty(home.join("profiles"))?, home.join("merged"));
+    let inputs = |target: &Target<'_>| {
+        let (name, mut command) = target.fuzzer(options, home)?;
+        command.arg("-runs=0").env("LLVM_PROFILE_FILE", profiles.join(target.name));
+        Ok((name, command))
+    };
+    side_by_side(options.jobs, targets.iter().map(inputs).collect::<Result<_>>()?)?;
+    run!("rustup component add llvm-tools")?;
+    let tools = sysroot()?.join("lib/rustlib").join(rustc_says("host")?).join("bin");
+    run!("{tools}/llvm-profdata merge --sparse {profiles} -o {merged}")?;
+    let (source, programs) = (in_root("src"), targets.iter().map(|target| &target.program));
+    let programs = programs.flat_map(|program| [Path::new("--object"), program]);
+    run!("{tools}/llvm-cov report --instr-profile {merged} {programs...} --sources {source}")
 }
 
 fn targets() -> Result<Vec<String>> {
@@ -164,15 +151,18 @@ fn targets() -> Result<Vec<String>> {
 
 /// Builds all targets, and returns Cargo's target directory and the folder of the programs.
 fn build(options: &Options) -> Result<[PathBuf; 2]> {
-    let (address, profile, host) = (options.address, &options.profile, rustc_says("host")?);
-    let home = in_target(if address { "fuzz-address" } else { "fuzz" });
-    let flags = if address { format!("{COVERAGE} -Zsanitizer=address") } else { COVERAGE.to_owned() };
+    let (home, own) = match (options.coverage, options.address) {
+        (true, _) => (in_target("fuzz-coverage"), "-Cinstrument-coverage"),
+        (_, true) => (in_target("fuzz-address"), "-Zsanitizer=address"),
+        _ => (in_target("fuzz"), ""),
+    };
+    let (profile, host) = (options.profile, rustc_says("host")?);
     // --target keeps build scripts and macros free of instrumentation.
     let arguments = ["--profile", profile, "--target", &host];
     let build = cmd!("cargo build --manifest-path fuzz/Cargo.toml --target-dir {home} {arguments...}");
     // The compiler calls sanitizers unstable.
-    let bootstrap = address.then_some(("RUSTC_BOOTSTRAP", "1"));
-    build.env("RUSTFLAGS", flags).envs(bootstrap).run()?;
+    let bootstrap = options.address.then_some(("RUSTC_BOOTSTRAP", "1"));
+    build.env("RUSTFLAGS", format!("{COVERAGE} {own}")).envs(bootstrap).run()?;
     let programs = home.join(host).join(profile);
     Ok([home, programs])
 }
@@ -188,5 +178,5 @@ pub fn build_for_stage() -> Result<()> {
 
 fn for_stage() -> Options {
     // Ten seconds are shorter than what the compiler takes to optimise.
-    Options { seconds: STAGE_SECONDS, jobs: jobs(), seed: 1, profile: "quick".into(), ..Options::default() }
+    Options { seconds: STAGE_SECONDS, jobs: jobs(), seed: 1, profile: "quick", ..Options::default() }
 }

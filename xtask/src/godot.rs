@@ -2,8 +2,21 @@
 //! and Mesa's driver are packages of Debian sid, unpacked below the target directory beside the system. Another engine may be named by
 //! `CRUMPLE_GODOT`.
 
-use crate::prelude::*;
 use std::net::UdpSocket;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, ensure};
+use clap::Args;
+use xshell::{Cmd, PushEnv};
+
+use crate::files::{copy, copy_into, copy_licenses, copy_sources, copy_tree, empty, read, write};
+use crate::package::{archive, licenses, markdown, nothing_of_this_machine};
+use crate::stage::all_passed;
+use crate::target::{Target, WINDOWS};
+use crate::tools::{self, MINGW, WINDOWS_RUST};
+use crate::workspace::{Background, Display, VERSION, cmd, ended, in_root, in_target, sh};
+use crate::{car, debian, vulkan};
 
 const BINDING: &str = "bindings/godot";
 const PROJECT: &str = "bindings/godot/project";
@@ -43,7 +56,7 @@ pub struct Options {
     demo: bool,
 }
 
-pub fn run() -> Result<()> {
+pub fn stage() -> Result<()> {
     let (engine, project) = (engine()?, empty(in_target("godot/project"))?);
     build()?;
     // The example project with the extension, the hood and the car.
@@ -181,7 +194,7 @@ impl Godot {
     }
 }
 
-pub fn pack(options: &Options) -> Result<()> {
+pub fn run(options: &Options) -> Result<()> {
     let mut targets = vec![Target::host()?];
     if options.windows {
         tools::require(&[WINDOWS_RUST, MINGW])?;
@@ -210,11 +223,11 @@ pub fn pack(options: &Options) -> Result<()> {
 
 /// The library of a release build, without paths of this machine.
 fn release(target: &Target) -> Result<PathBuf> {
-    let directory = in_target("godot");
+    let folder = in_target("godot");
     let cargo = target.cargo(&["build", "--release", "--locked", "--manifest-path", "bindings/godot/Cargo.toml"])?;
-    cargo.arg("--target-dir").arg(&directory).run()?;
+    cargo.arg("--target-dir").arg(&folder).run()?;
     let name = if target.is_windows() { "crumple_godot.dll" } else { "libcrumple_godot.so" };
-    let library = if target.cross { directory.join(&target.triple) } else { directory }.join("release").join(name);
+    let library = if target.cross { folder.join(&target.triple) } else { folder }.join("release").join(name);
     nothing_of_this_machine(std::slice::from_ref(&library))?;
     Ok(library)
 }

@@ -1,9 +1,13 @@
 //! The headers, which cbindgen writes from the sources of `src/capi`, and the C# and Python declarations made from them: committed,
 //! and compared in CI.
 
-use crate::declarations::{PARTS, csharp, python, wrapped};
-use crate::prelude::*;
+use anyhow::{Context, Result, anyhow, bail};
+use regex_lite::Regex;
 use similar::TextDiff;
+
+use crate::declarations::{self, HEADERS, INCLUDE, PARTS, csharp, python, wrapped};
+use crate::files::{read, write};
+use crate::workspace::in_root;
 
 /// The last line of an opening comment.
 const GENERATED: &str =
@@ -18,9 +22,9 @@ const PYTHON: &str = "bindings/python/src/crumple/_native.py";
 pub fn run(check: bool) -> Result<()> {
     let headers = generate()?;
     let in_csharp = |(name, _): &(&&str, &String)| csharp::HEADERS.contains(name);
-    let of_csharp: Vec<_> = HEADERS.iter().zip(&headers).filter(in_csharp).map(|(_, text)| text.clone()).collect();
-    let (types, functions) = csharp::files(&declarations::header(&declarations::joined(&of_csharp))?)?;
-    let python = python::module(&declarations::header(&declarations::joined(&headers))?)?;
+    let of_csharp: String = HEADERS.iter().zip(&headers).filter(in_csharp).map(|(_, text)| text.as_str()).collect();
+    let (types, functions) = csharp::files(&declarations::header(&of_csharp)?)?;
+    let python = python::module(&declarations::header(&headers.concat())?)?;
     let mut files: Vec<_> = HEADERS.iter().map(|name| format!("{INCLUDE}/{name}")).zip(headers).collect();
     files.push((format!("{CSHARP}/NativeTypes.g.cs"), types));
     files.push((format!("{CSHARP}/NativeMethods.g.cs"), functions));

@@ -10,8 +10,20 @@
 //!
 //! On Windows the shared library is PREFIX/bin/crumple.dll, and programs link PREFIX/lib/crumple.dll.lib.
 
-use crate::prelude::*;
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::sync::atomic::Ordering::Relaxed;
+
+use anyhow::{Context, Result, ensure};
+use object::Object;
+
+use crate::declarations::INCLUDE;
+use crate::files::{bytes, copy, copy_into, copy_licenses, copy_tree, empty, make, read, write};
+use crate::target::Target;
+use crate::workspace::{VERSION, build_as_tested, cargo_anywhere, cmd, in_root, in_target, run, rustc, said};
+use crate::{abi, command};
 
 pub struct Flavour {
     pub name: &'static str,
@@ -41,11 +53,11 @@ pub struct Built {
 }
 
 impl Built {
-    /// In Cargo's folder of a profile, with the command if it is `whole`.
-    pub fn new(target: Target, profile: &str, flavour: &'static Flavour, whole: bool) -> Self {
-        let directory = target.directory(profile);
-        let command = whole.then(|| directory.join(target.program("crumple")));
-        let (shared, static_library) = (directory.join(target.shared()), directory.join(target.static_library()));
+    /// In Cargo's folder of a profile.
+    pub fn new(target: Target, profile: &str, flavour: &'static Flavour) -> Self {
+        let folder = target.folder(profile);
+        let command = flavour.command.then(|| target.built(profile, "crumple"));
+        let (shared, static_library) = (folder.join(target.shared()), folder.join(target.static_library()));
         Self { target, flavour, shared, static_library, command, handed_out: profile == "dist" }
     }
 
@@ -53,7 +65,7 @@ impl Built {
     /// Cargo's folder.
     pub fn tested() -> Result<Self> {
         let (target, prefix) = (Target::host()?, release_prefix()?);
-        let (shared, static_library) = (shared(&target, &prefix), prefix.join("lib").join(target.static_library()));
+        let (shared, static_library) = (target.shared_in(&prefix), prefix.join("lib").join(target.static_library()));
         let command = Some(command::tested()?);
         Ok(Self { target, flavour: &FULL, shared, static_library, command, handed_out: false })
     }
@@ -99,15 +111,11 @@ pub fn dist(flavour: &'static Flavour, target: &Target) -> Result<Built> {
     }
     // Built after the command, because building the command overwrites the library.
     build(target, "dist", flavour)?;
-    Ok(Built::new(target.clone(), "dist", flavour, flavour.command))
+    Ok(Built::new(target.clone(), "dist", flavour))
 }
 
 /// What a program links beside the static library, such as `-lpthread`: `rustc` prints it for an empty one.
 fn static_needs(target: &Target) -> Result<Vec<String>> {
-    if !target.has_standard_library() {
-        // Compiling it for the question takes minutes.
-        return Ok(target.static_needs().split(' ').map(str::to_owned).collect());
-    }
     let scratch = tempfile::tempdir()?;
     let (rustc, triple, empty) = (rustc(), &target.triple, scratch.path().join("empty.a"));
     let print = cmd!("{rustc} --target {triple} --crate-type staticlib --print native-static-libs -o {empty} -");
@@ -118,10 +126,14 @@ fn static_needs(target: &Target) -> Result<Vec<String>> {
     Ok(line.split_whitespace().map(str::to_owned).collect())
 }
 
+pub fn stage() -> Result<()> {
+    abi::exported(&in_root(INCLUDE), &Target::host()?.shared_in(&release_prefix()?))
+}
+
 pub fn run(prefix: &Path, profile: &str) -> Result<()> {
     let (target, prefix) = (Target::host()?, in_root(prefix));
     build(&target, profile, &FULL)?;
-    lay_out(&Built::new(target, profile, &FULL, false), &prefix)?;
+    lay_out(&Built::new(target, profile, &FULL), &prefix)?;
     println!("installed Crumple {VERSION} ({profile}) in {}", prefix.display());
     Ok(())
 }
@@ -145,7 +157,7 @@ pub fn lay_out(built: &Built, prefix: &Path) -> Result<()> {
         ("FEATURES", built.flavour.library.join(" ")),
         ("FEATURES_CMAKE", built.flavour.library.join(";")),
     ];
-    for (name, directory) in [
+    for (name, folder) in [
         ("CrumpleConfig.cmake", lib.join("cmake/Crumple")),
         ("CrumpleConfigVersion.cmake", lib.join("cmake/Crumple")),
         ("crumple.pc", lib.join("pkgconfig")),
@@ -154,8 +166,8 @@ pub fn lay_out(built: &Built, prefix: &Path) -> Result<()> {
         let template = read(format!("cmake/{name}.in"))?;
         let text = values.iter().fold(template, |text, (key, value)| text.replace(&format!("@CRUMPLE_{key}@"), value));
         ensure!(!text.contains("@CRUMPLE_"), "cmake/{name}.in asks for what the installer does not know");
-        make(&directory)?;
-        write(directory.join(name), text)?;
+        make(&folder)?;
+        write(folder.join(name), text)?;
     }
     Ok(())
 }
@@ -180,18 +192,10 @@ fn copy_shared(built: &Built, prefix: &Path) -> Result<()> {
     let real = format!("libcrumple.so.{VERSION}");
     copy(shared, &lib.join(&real))?;
     for link in [abi::soname(VERSION), "libcrumple.so".to_owned()] {
-        let link = lib.join(link);
-        // Whether there is one, and wherever it leads.
-        let _ = fs::remove_file(&link);
-        symlink(&real, &link).with_context(|| format!("linking {}", link.display()))?;
+        run!("ln -s -f {real} {lib}/{link}")?;
     }
     Ok(())
 }
-
-#[cfg(unix)]
-use std::os::unix::fs::symlink;
-#[cfg(windows)]
-use std::os::windows::fs::symlink_file as symlink;
 
 /// Writes the import library of a DLL that exports these names.
 pub fn import_library(dll: &str, exports: &[String], library: &Path) -> Result<()> {
@@ -199,10 +203,6 @@ pub fn import_library(dll: &str, exports: &[String], library: &Path) -> Result<(
     write(&definition, format!("LIBRARY {dll}\nEXPORTS\n{}\n", exports.join("\n")))?;
     run!("llvm-dlltool -m i386:x86-64 -d {definition} -l {library}")?;
     fs::remove_file(&definition).with_context(|| format!("removing {}", definition.display()))
-}
-
-pub fn shared(target: &Target, prefix: &Path) -> PathBuf {
-    prefix.join(if target.is_windows() { "bin" } else { "lib" }).join(target.shared())
 }
 
 /// Checks that a host cannot unload a library for Linux while its threads are still ending, and that a DLL needs only libraries that

@@ -3,7 +3,21 @@
 //! layer: Jolt on the demo's hood, and Rapier, Bullet and Jolt on the truths' hits, which the programs of lab/throws throw. The lab's
 //! tests have Rapier in scenes of its own.
 
-use crate::prelude::*;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+use clap::Args;
+use clap::builder::PossibleValuesParser;
+
+use crate::files::{empty, name, write};
+use crate::install::{self, SLIM};
+use crate::native::{self, Build};
+use crate::python;
+use crate::stage::all_passed;
+use crate::target::Target;
+use crate::tools::{BULLET, PYTHON3};
+use crate::workspace::{absolute, build_as_tested, cargo_anywhere, cmd, in_root, in_target, jobs, packages, run};
 
 #[derive(Args)]
 pub struct Options {
@@ -11,13 +25,8 @@ pub struct Options {
     #[arg(long)]
     quick: bool,
     /// Only this part; may be given several times
-    #[arg(long, value_name = "PART")]
+    #[arg(long, value_name = "PART", value_parser = PossibleValuesParser::new(parts().map(|(name, _)| name)))]
     only: Vec<String>,
-}
-
-/// A path of the user. What runs is in the repository's root.
-pub fn absolute(path: &str) -> std::io::Result<PathBuf> {
-    std::path::absolute(path)
 }
 
 #[derive(Args)]
@@ -40,10 +49,10 @@ pub struct BenchOptions {
 }
 
 /// Parts in their order: subcommands of `crumple-lab`, each with a script of lab/python that follows it, and its arguments.
-const MEASURED: &str = "accuracy, told surrogates.py, learn, contacts, combine, peers mujoco_peer.py, stability, pictures, looks, speed, \
-                        scene, crash film.py crash, crowd film.py crowd";
-/// Parts that follow, each with its script, which gets the folder of what was measured.
-const SHOWN: &str = "charts draw.py, report report.py";
+const PARTS: &str = "accuracy, told surrogates.py, learn, contacts, combine, peers mujoco_peer.py, stability, pictures, looks, speed, \
+                        scene, crash film.py crash, crowd film.py crowd, charts draw.py, report report.py";
+/// Parts that are a script alone, which gets the folder of what was measured.
+const SHOWN: &[&str] = &["charts", "report"];
 /// The benchmark of graphics devices that needs none.
 const COMPILED: &str = "compiled";
 
@@ -52,12 +61,6 @@ const JOLT: &str = "joltc-sys";
 const JOLT_VERSION: &str = "=0.3.1";
 
 pub fn run(options: &Options) -> Result<()> {
-    let parts = |list: &'static str| list.split(", ").map(|part| part.split(' ').collect::<Vec<_>>());
-    let names: Vec<&str> = parts(MEASURED).chain(parts(SHOWN)).map(|part| part[0]).collect();
-    for name in &options.only {
-        ensure!(names.contains(&name.as_str()), "there is no part {name:?}; there are: {}", names.join(", "));
-    }
-    let wanted = |part: &Vec<&str>| options.only.is_empty() || options.only.iter().any(|only| only == part[0]);
     let out = if options.quick { in_target("lab-quick") } else { in_root("docs/lab") };
     if options.quick && options.only.is_empty() {
         empty(&out)?;
@@ -65,22 +68,33 @@ pub fn run(options: &Options) -> Result<()> {
     let (start, quick) = (Instant::now(), options.quick.then_some("--quick"));
     let program = timed("build", || program(&["--all-features"]))?;
     let python = timed("python", python)?;
-    let measure = |name: &str, script: &[&str]| -> Result<()> {
+    let run_part = |name: &str, script: &str| -> Result<()> {
+        if SHOWN.contains(&name) {
+            return run!("{python} -B lab/python/{script} {out}");
+        }
         let throws = (name == "contacts").then(throws).transpose()?;
         let throws = throws.map(|folder| format!("--throws={}", folder.display()));
         run!("{program} {name} {throws...} {quick...} --out {out}")?;
-        let [script, arguments @ ..] = script else { return Ok(()) };
-        run!("{python} -B lab/python/{script} {arguments...} {quick...} --out {out}")
+        if script.is_empty() {
+            return Ok(());
+        }
+        let script = format!("lab/python/{script}");
+        let words = script.split(' ');
+        run!("{python} -B {words...} {quick...} --out {out}")
     };
-    let show = |script: &str| run!("{python} -B lab/python/{script} {out}");
-    let measured = parts(MEASURED).filter(&wanted).map(|part| (part, true));
-    for (part, measured) in measured.chain(parts(SHOWN).filter(&wanted).map(|part| (part, false))) {
-        let name = part[0];
-        timed(name, || if measured { measure(name, &part[1..]) } else { show(part[1]) })
+    for (name, script) in
+        parts().filter(|(name, _)| options.only.is_empty() || options.only.iter().any(|only| only == name))
+    {
+        timed(name, || run_part(name, script))
             .with_context(|| format!("part {name} failed; alone: cargo xtask lab --only {name}"))?;
     }
     println!("== lab: {} after {:.0} s", out.display(), start.elapsed().as_secs_f64());
     Ok(())
+}
+
+/// The name of each part, and its script with arguments.
+fn parts() -> impl Iterator<Item = (&'static str, &'static str)> {
+    PARTS.split(", ").map(|part| part.split_once(' ').unwrap_or((part, "")))
 }
 
 pub fn bench(options: &BenchOptions) -> Result<()> {
@@ -124,10 +138,8 @@ fn bench_devices(options: &BenchOptions) -> Result<()> {
 
 /// The slim C library, stripped. `None` without a `strip` program.
 fn stripped_library() -> Result<Option<PathBuf>> {
-    let what = ["build", "--profile", "dist", "--package", "crumple", "--lib", "--no-default-features", "--features"];
-    cargo(&what).arg(SLIM.library.join(",")).run()?;
-    let (target, folder) = (Target::host()?, empty(in_target("stripped"))?);
-    let (library, stripped) = (target.directory("dist").join(target.shared()), folder.join(target.shared()));
+    let library = install::dist(&SLIM, &Target::host()?)?.shared;
+    let stripped = empty(in_target("stripped"))?.join(name(&library)?);
     if let Err(error) = run!("strip -o {stripped} {library}") {
         println!("left out: the library's size, since it cannot be stripped ({error})");
         return Ok(None);
@@ -138,7 +150,7 @@ fn stripped_library() -> Result<Option<PathBuf>> {
 /// Builds the lab with these features and returns its program.
 fn program(features: &[&str]) -> Result<PathBuf> {
     cargo_anywhere(&["build", "--release", "--package", "crumple-lab"])?.args(features).run()?;
-    Ok(in_target("release/crumple-lab").with_extension(std::env::consts::EXE_EXTENSION))
+    Ok(Target::host()?.built("release", "crumple-lab"))
 }
 
 /// A Python with the pinned packages that the scripts need.
@@ -156,12 +168,12 @@ fn timed<T>(name: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
 /// Stage "engines".
 pub fn engines() -> Result<()> {
     let (programs, out) = (throws()?, in_target("lab-engines"));
-    let directory = programs.join("examples-c");
-    let jolt = cmd!("ctest --test-dir {directory} --tests-regex ^jolt_crash$ --verbose --no-tests=error").run();
+    let options = ["--tests-regex", "^jolt_crash$", "--verbose"];
+    let jolt = native::run_tests(&programs.join("examples-c"), &options);
     build_as_tested(&["--bin", "crumple-lab"]).run()?;
-    let program = in_target("debug/crumple-lab").with_extension(std::env::consts::EXE_EXTENSION);
+    let program = Target::host()?.built("debug", "crumple-lab");
     let truths = cmd!("{program} contacts --check --throws {programs} --out {out}").run();
-    all_passed(vec![("Jolt", jolt.map_err(Into::into)), ("the truths in all engines", truths.map_err(Into::into))])
+    all_passed(vec![("Jolt", jolt), ("the truths in all engines", truths.map_err(Into::into))])
 }
 
 /// Builds lab/throws and the examples that need Jolt against the installed library. Returns the folder of the programs. Bullet is left
@@ -172,22 +184,22 @@ fn throws() -> Result<PathBuf> {
     }
     let prefix = install::release_prefix()?;
     let source = format!("-DCRUMPLE_JOLT={}", jolt_source()?.display());
-    let directory = in_target("throws");
+    let folder = in_target("throws");
     let build = Build { options: vec![source], ..Build::new("throws", &prefix) };
-    native::compile(&build, &in_root("lab/throws"), &directory)?;
+    native::compile(&build, &in_root("lab/throws"), &folder)?;
     let jobs = jobs().to_string();
-    let build = cmd!("cmake --build {directory} --config RelWithDebInfo --target jolt_crash --parallel {jobs}");
+    let build = cmd!("cmake --build {folder} --config RelWithDebInfo --target jolt_crash --parallel {jobs}");
     build.ignore_stdout().run()?;
-    Ok(directory)
+    Ok(folder)
 }
 
 /// The folder of Jolt's source, which Cargo fetches.
 fn jolt_source() -> Result<PathBuf> {
-    let directory = empty(in_target("jolt"))?;
-    let manifest = directory.join("Cargo.toml");
+    let folder = empty(in_target("jolt"))?;
+    let manifest = folder.join("Cargo.toml");
     let package = "[package]\nname = \"jolt-source\"\nedition = \"2024\"\n[lib]\npath = \"empty.rs\"\n[workspace]\n";
     write(&manifest, format!("{package}[dependencies]\n{JOLT} = \"{JOLT_VERSION}\"\n"))?;
-    write(directory.join("empty.rs"), "")?;
+    write(folder.join("empty.rs"), "")?;
     let packages = packages(&["--manifest-path", &manifest.to_string_lossy()])?;
     let file =
         packages.iter().find(|package| package["name"] == JOLT).and_then(|found| found["manifest_path"].as_str());

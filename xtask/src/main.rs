@@ -16,11 +16,10 @@ mod install;
 mod lab;
 mod native;
 mod nightly;
+mod node;
 mod package;
 mod platforms;
-mod prelude;
 mod python;
-mod reference;
 mod repo;
 mod rooms;
 mod source;
@@ -71,7 +70,7 @@ enum Command {
     },
     /// Build the C library and install it with its headers, CMake package and pkg-config file
     Install {
-        /// Directory that gets lib/ and include/
+        /// Folder that gets lib/ and include/
         #[arg(long)]
         prefix: PathBuf,
         /// Install a debug build
@@ -111,7 +110,7 @@ enum Command {
     /// Run info, bake, sample and apply over a folder of glTF and OBJ files, and compare everything that no dent reached
     Sweep {
         /// The folder. An OBJ's examples are the files beside it whose names begin with its name and _
-        #[arg(value_parser = lab::absolute)]
+        #[arg(value_parser = workspace::absolute)]
         folder: PathBuf,
         /// Options for each of the commands, such as --join
         #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
@@ -156,7 +155,7 @@ fn run(command: Command) -> Result<()> {
         Command::Install { prefix, debug } => install::run(&prefix, if debug { "debug" } else { "release" }),
         Command::Package(options) => package::run(&options),
         Command::Wheel { out } => python::run(&out),
-        Command::Addon(options) => godot::pack(&options),
+        Command::Addon(options) => godot::run(&options),
         Command::Extension(options) => blender::run(&options),
         Command::Web { out } => web::run(&out),
         Command::Fuzz(options) => fuzz::run(&options),

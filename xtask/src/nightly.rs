@@ -1,7 +1,14 @@
 //! Checks of threads and memory: those that need Rust's nightly toolchain with the source of the standard library (ThreadSanitizer,
 //! MemorySanitizer and Miri), and tests with the locks of shuttle, which runs threads in orders of its own choice.
 
-use crate::prelude::*;
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use xshell::Cmd;
+
+use crate::files::empty;
+use crate::stage::LeftOut;
+use crate::workspace::{cmd, in_root, in_target, root, run, rustc_says, said, sh};
 
 /// Without file formats, which share nothing between threads.
 const FEATURES: [&str; 3] = ["--no-default-features", "--features", "capi"];

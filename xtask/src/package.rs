@@ -1,7 +1,18 @@
 //! `cargo xtask package`: release archives, `crumple-VERSION-TARGET[-slim].tar.gz` (`.zip` on Windows), each with its debug symbols
 //! in an archive beside it. The same libraries give the same bytes.
 
-use crate::prelude::*;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Result, ensure};
+use clap::Args;
+use memchr::memmem;
+
+use crate::files::{bytes, copy_into, empty, files, name};
+use crate::install::{self, Built, FULL, SLIM};
+use crate::target::{Target, WINDOWS};
+use crate::tools;
+use crate::wine::Wine;
+use crate::workspace::{VERSION, cargo_home, in_root, in_target, root, sysroot, target_folder};
 
 pub mod archive;
 mod check;
@@ -9,6 +20,7 @@ mod contents;
 pub mod licenses;
 pub mod manifest;
 pub mod markdown;
+mod reference;
 mod symbols;
 
 pub use check::{CLIENT, packed, stage};
@@ -69,7 +81,7 @@ fn lay_out(built: &Built) -> Result<(PathBuf, PathBuf)> {
     }
     symbols::separate(built, &folder, &debug)?;
     let linked = licenses::linked(built)?;
-    licenses::nothing_unlicensed(built, &folder, &linked, &target.standard_packages()?)?;
+    licenses::nothing_unlicensed(built, &folder, &linked)?;
     licenses::write_all(&linked, &folder)?;
     contents::copy_all(built, &folder)?;
     let mut all = files(&folder)?;

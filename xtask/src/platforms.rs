@@ -2,7 +2,20 @@
 //! there must equal, byte for byte, what it writes here; the golden hashes of `promises` hold the rest. Vulkan under Wine uses this
 //! machine's drivers.
 
-use crate::prelude::*;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
+use regex_lite::Regex;
+
+use crate::declarations::{self, HEADERS, INCLUDE};
+use crate::files::{copy_into, empty, files, write};
+use crate::install::{self, Built, FULL};
+use crate::native::{self, Build};
+use crate::stage::all_passed;
+use crate::target::{AARCH64, I686, Target, WINDOWS, launch};
+use crate::wine::Wine;
+use crate::workspace::{in_root, in_target, run, sh};
+use crate::{abi, command, package, vulkan};
 
 /// Features of the build whose library, command and tests are all used.
 const FEATURES: &str = "cli,host-allocator";
@@ -79,7 +92,7 @@ impl Platform {
         compile(&target)?;
         let platform = Self { target, runner: runner.split(' ').collect(), prefix };
         install::lay_out(&platform.built(), &platform.prefix)?;
-        let shared = install::shared(&platform.target, &platform.prefix);
+        let shared = platform.target.shared_in(&platform.prefix);
         abi::exported(Path::new(INCLUDE), &shared)?;
         install::loads_well(&platform.target, &shared)?;
         Ok(platform)
@@ -94,20 +107,18 @@ impl Platform {
     }
 
     fn built(&self) -> Built {
-        Built::new(self.target.clone(), "debug", &FULL, true)
+        Built::new(self.target.clone(), "debug", &FULL)
     }
 
     fn c(&self) -> Result<()> {
         native::test_projects(&Build {
             projects: native::OURS,
-            options: native::cross_options(&self.target)?,
             launcher: self.runner.join(";"),
-            cross: true,
             // Wine has no validation layer.
             validation: false,
             left_out: if self.target.triple == AARCH64 { SLOW } else { "" },
-            drivers: if self.target.is_windows() { native::one_driver()? } else { Vec::new() },
-            ..Build::new(&self.target.triple, &self.prefix)
+            drivers: if self.target.is_windows() { vulkan::one_driver()? } else { Vec::new() },
+            ..Build::on(&self.target, &self.target.triple, &self.prefix)?
         })
     }
 
@@ -124,7 +135,8 @@ impl Platform {
         let (here, there) = (folder.join("host"), folder.join(&self.target.triple));
         ask(&here, &[], &command::tested()?)?;
         ask(&there, &self.runner, &self.built().command.context("it is whole")?)?;
-        let files = same_files(&here, &there)?;
+        run!("diff --recursive {here} {there}")?;
+        let files = files(&here)?.len();
         ensure!(files > INPUT.len() + QUESTIONS.len(), "the command wrote only {files} files");
         println!("{} files of the command are the same bytes as this machine's", files - INPUT.len());
         Ok(())

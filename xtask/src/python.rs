@@ -1,15 +1,21 @@
 //! Python: builds and tests the package as a wheel in environments below the target directory.
 
-use crate::prelude::*;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+
+use crate::files::{announce, copy, copy_into, copy_licenses, copy_sources, empty, files, read, write};
+use crate::package::{self, licenses};
+use crate::stage::LeftOut;
+use crate::target::Target;
+use crate::tools::{self, PYTHON3, PYTHON311, Tool};
+use crate::workspace::{in_root, in_target, jobs, run, sh, silent};
 
 const PACKAGE: &str = "bindings/python";
 /// What the package's tests need, pinned.
 const REQUIREMENTS: &str = "bindings/python/tests/requirements.txt";
 /// Parts of the package's folder that are in the wheel or make it.
 const SOURCES: &[&str] = &["pyproject.toml", "setup.py", "README.md", "src"];
-/// Files of a package's folder that the wheel holds as its licenses.
-const LICENSES: &[&str] =
-    &["LICENSE-MIT", "LICENSE-APACHE", "THIRD-PARTY-LICENSES.txt", "RUST-STANDARD-LIBRARY-LICENSES.html"];
 const PIP: &[&str] = &["-m", "pip", "--quiet", "--disable-pip-version-check"];
 
 /// `cargo xtask wheel`: the wheel for this system, with the release library and command.
@@ -46,9 +52,10 @@ pub fn build(handed_out: bool, out: &Path) -> Result<PathBuf> {
     let source = empty(in_target("python/source"))?;
     empty(out)?;
     copy_sources(PACKAGE, SOURCES, &source)?;
-    LICENSES.iter().try_for_each(|license| copy_into(folder.join(license), &source))?;
+    copy_licenses(&source)?;
+    [licenses::FILE, licenses::STANDARD_LIBRARY].iter().try_for_each(|name| copy_into(folder.join(name), &source))?;
     let (binaries, target) = (source.join("src/crumple/_bin"), Target::host()?);
-    copy(install::shared(&target, &folder), &binaries.join(target.shared()))?;
+    copy(target.shared_in(&folder), &binaries.join(target.shared()))?;
     copy_into(folder.join("bin").join(target.program("crumple")), &binaries)?;
     run!("{python} {PIP...} wheel --no-build-isolation --no-deps --no-index --wheel-dir {out} {source}")?;
     match files(out)?.as_slice() {

@@ -1,6 +1,18 @@
 //! Checks of the repository that build nothing: sizes, and programs, versions and messages that pages repeat.
 
-use crate::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result, bail, ensure};
+use regex_lite::{Captures, Regex};
+
+use crate::abi;
+use crate::declarations::{self, INCLUDE};
+use crate::files::{files, files_of, passage, read, renew, within, write};
+use crate::package::licenses;
+use crate::package::manifest::sha256;
+use crate::workspace::VERSION;
 
 /// The most bytes of meshes, fixtures and pictures together, of the lab's figures, which `cargo xtask lab` writes, and of its
 /// reference data.

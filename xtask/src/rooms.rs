@@ -1,9 +1,14 @@
 //! Stage "rooms": the folders of `src` are layers. A file imports from its own room and from rooms above it in `ROOMS`, and the files of
 //! a room import each other without circles. Modules of tests inside `src` are exempt, and so is `lib.rs`.
 
-use crate::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
 use syn::visit::{self, Visit};
 use syn::{Attribute, Item, ItemMod, ItemUse, UseTree, Visibility};
+
+use crate::files::{files_of, read, within};
 
 /// From top to bottom. Rooms that a bar joins do not import each other.
 const ROOMS: &str = "base mesh basis predict example damage select bake deform classic instance contacts io gpu graph|vulkan|wgpu capi bin";
@@ -11,7 +16,7 @@ const ROOMS: &str = "base mesh basis predict example damage select bake deform c
 /// A module's path from the root: `["deform", "tracker"]`.
 type Module = Vec<String>;
 
-pub fn run() -> Result<()> {
+pub fn stage() -> Result<()> {
     let source = |path: &PathBuf| Ok((within(Path::new("src"), path)?, read(path)?));
     let sources = files_of("src", &["rs"])?.iter().map(source).collect::<Result<Vec<_>>>()?;
     let findings = check(&sources)?;

@@ -1,29 +1,37 @@
 //! The ways to build the library from its source: the CMake project, the Conan recipe, and the crate as crates.io gets it.
 
-use crate::prelude::*;
+use std::path::Path;
+
+use anyhow::Result;
+
+use crate::files::{copy_tree, empty, write};
+use crate::package::CLIENT;
+use crate::tools::PYTHON3;
+use crate::workspace::{FLAGS, anywhere, cargo, cmd, in_target, root, run, sh, silent, target_folder};
+use crate::{install, native, python};
 
 const REQUIREMENTS: &str = "xtask/package/requirements.txt";
 
 /// A program fetches the library's source with CMake, which builds it by Cargo. The same project installs the files that
 /// `cargo xtask install` does, and a program finds them.
 pub fn cmake() -> Result<()> {
-    let (prefix, directory, root) = (install::release_prefix()?, empty(in_target("cmake"))?, root());
+    let (prefix, folder, root) = (install::release_prefix()?, empty(in_target("cmake"))?, root());
     // Cargo finds what the installer built.
-    let _flags = sh().push_env("CARGO_ENCODED_RUSTFLAGS", anywhere()?.join("\u{1f}"));
+    let _flags = sh().push_env(FLAGS, anywhere()?);
     let target = target_folder();
     let build = |source: &Path, name: &str, option: &str| -> Result<()> {
-        silent!("cmake -S {source} -B {directory}/{name} -DCRUMPLE_CARGO_TARGET_DIR={target} {option}")?;
-        Ok(cmd!("cmake --build {directory}/{name}").ignore_stdout().run()?)
+        silent!("cmake -S {source} -B {folder}/{name} -DCRUMPLE_CARGO_TARGET_DIR={target} {option}")?;
+        Ok(cmd!("cmake --build {folder}/{name}").ignore_stdout().run()?)
     };
     build(root, "library", "-DCRUMPLE_INSTALL=ON")?;
-    let installed = directory.join("prefix");
-    cmd!("cmake --install {directory}/library --prefix {installed}").ignore_stdout().run()?;
-    same_files(&prefix, &installed)?;
+    let installed = folder.join("prefix");
+    cmd!("cmake --install {folder}/library --prefix {installed}").ignore_stdout().run()?;
+    run!("diff --recursive {prefix} {installed}")?;
     let fetched = format!("-DCRUMPLE_SOURCE={}", root.display());
     let found = format!("-DCMAKE_PREFIX_PATH={}", installed.display());
     for (name, option) in [("fetched", fetched), ("found", found)] {
         build(Path::new(CLIENT), name, &option)?;
-        cmd!("ctest --test-dir {directory}/{name} --output-on-failure --no-tests=error").run()?;
+        native::run_tests(&folder.join(name), &[])?;
     }
     Ok(())
 }
@@ -39,7 +47,7 @@ pub fn conan() -> Result<()> {
     // Cargo builds in a folder below, and finds the dependencies that the installer built. The library alone is another one, which is not
     // optimised: that would take a minute.
     write(home.join(".cargo/config.toml"), "[profile.release.package.crumple]\nopt-level = 0\n")?;
-    let _flags = sh().push_env("CARGO_ENCODED_RUSTFLAGS", anywhere()?.join("\u{1f}"));
+    let _flags = sh().push_env(FLAGS, anywhere()?);
     // In the cache: CMake would prefer the default there to a plain variable.
     let target =
         format!("{{'value': '{}', 'cache': True, 'type': 'PATH', 'docstring': 'Cargo'}}", target_folder().display());

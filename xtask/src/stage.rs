@@ -1,9 +1,15 @@
 //! Stages of `cargo xtask test` and `cargo xtask ci`. Every stage runs, and a table at the end says how each one ended and how long
 //! it took.
 
-use crate::prelude::*;
 use std::fmt;
 use std::panic::catch_unwind;
+use std::process::{Command, Stdio};
+use std::time::Instant;
+
+use anyhow::{Result, anyhow, bail, ensure};
+
+use crate::tools::{self, Tool};
+use crate::workspace::{Background, all, in_target, sh};
 
 pub struct Stage {
     pub name: &'static str,
@@ -58,15 +64,12 @@ impl fmt::Display for LeftOut {
 
 #[derive(Clone, Copy, Default)]
 pub struct Rules {
-    /// A stage that leaves something out because a program is missing fails.
-    pub require_all: bool,
+    /// As CI runs them. A stage that leaves something out because a program is missing fails. The folders that a stage leaves are
+    /// removed once it has passed. After all stages, each that failed runs once more, and the table says which passed then: a stage
+    /// that does not fail each time is a bug.
+    pub ci: bool,
     /// No stage runs after the first that fails.
     pub fail_fast: bool,
-    /// After all stages, each that failed runs once more. The table says which passed then: a stage that does not fail each time
-    /// is a bug.
-    pub retry: bool,
-    /// The folders that a stage leaves are removed once it has passed.
-    pub tidy: bool,
     /// `cargo xtask ahead` compiles what later stages need, from the start.
     pub ahead: bool,
 }
@@ -120,7 +123,7 @@ fn run_each(stages: &[&Stage], rules: Rules, missing: &[Tool]) -> Vec<Row> {
             || Row { name: stage.name, verdict: LEFT_OUT, seconds: 0.0, reason: "an earlier stage failed".to_owned() };
         rows.push(stopped.then(skipped).unwrap_or_else(|| row(stage, rules, missing)));
     }
-    let again = rules.retry && !rules.fail_fast;
+    let again = rules.ci && !rules.fail_fast;
     for (stage, first) in stages.iter().zip(&mut rows).filter(|(_, row)| again && row.verdict == FAILED) {
         println!("\n== {} failed and runs once more", stage.name);
         let second = row(stage, rules, missing);
@@ -141,11 +144,11 @@ fn row(stage: &Stage, rules: Rules, missing: &[Tool]) -> Row {
     let verdict = match ended.as_ref().map_err(|error| error.downcast_ref()) {
         Ok(()) => PASSED,
         Err(Some(LeftOut::NotApplicable(_))) => LEFT_OUT,
-        Err(Some(LeftOut::Missing(_))) if !rules.require_all => LEFT_OUT,
-        Err(Some(LeftOut::Part(_))) if !rules.require_all => IN_PART,
+        Err(Some(LeftOut::Missing(_))) if !rules.ci => LEFT_OUT,
+        Err(Some(LeftOut::Part(_))) if !rules.ci => IN_PART,
         Err(_) => FAILED,
     };
-    for folder in stage.leaves.iter().filter(|_| rules.tidy && [PASSED, IN_PART].contains(&verdict)) {
+    for folder in stage.leaves.iter().filter(|_| rules.ci && [PASSED, IN_PART].contains(&verdict)) {
         // What cannot be removed only costs disk.
         let _ = sh().remove_path(in_target(folder));
     }
@@ -229,9 +232,8 @@ mod tests {
         };
         let (default, p, f, l) = (Rules::default(), PASSED, FAILED, LEFT_OUT);
         assert_eq!(verdicts(default), [p, f, IN_PART, l, l, f, f]);
-        assert_eq!(verdicts(Rules { require_all: true, ..default }), [p, f, f, f, l, f, f]);
-        assert_eq!(verdicts(Rules { fail_fast: true, retry: true, ..default }), [p, f, l, l, l, l, l]);
-        assert_eq!(verdicts(Rules { retry: true, ..default }), [p, f, IN_PART, l, l, SECOND_TRY, f]);
+        assert_eq!(verdicts(Rules { ci: true, ..default }), [p, f, f, f, l, SECOND_TRY, f]);
+        assert_eq!(verdicts(Rules { ci: true, fail_fast: true, ..default }), [p, f, l, l, l, l, l]);
     }
 
     #[test]

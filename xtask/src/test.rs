@@ -1,17 +1,28 @@
 //! `cargo xtask test` and `cargo xtask ci`: the list of test stages, and which stages a command runs.
 
-use crate::prelude::*;
+use anyhow::Result;
+use clap::Args;
+use clap::builder::PossibleValuesParser;
+
+use crate::stage::{self, Rules, Stage, all_passed, stages, unless};
+use crate::tools::{
+    AARCH64_CC, AARCH64_RUST, ABIGAIL, ASSIMP, BLENDER_LIBRARIES, BULLET, CC, CHROMIUM, CMAKE, CXX, FOR_WINDOWS,
+    I686_CC, I686_RUST, MONO, NPM, ODE, PKG_CONFIG, PNG, PYTHON3, PYTHON311, QEMU, SWIFTSHADER, VALGRIND, VULKAN,
+    VULKAN_HEADERS, WEB_RUST, XVFB,
+};
+use crate::workspace::{all, cargo, in_root, test_all, tests};
+use crate::{
+    abi, blender, car, csharp, exports, fuzz, godot, header, install, lab, native, nightly, package, platforms, python,
+    repo, rooms, source, valgrind, vulkan, web,
+};
 
 #[derive(Args, Default)]
 pub struct Options {
     /// Run every stage: also engines, other systems, sanitizers, fuzzing and packages
     #[arg(long)]
     pub all: bool,
-    /// Fail a stage if a program that it needs is missing; CI=true sets this too
-    #[arg(long)]
-    pub require_all: bool,
     /// Run only this stage, or this check of `cargo xtask ci`; may be given several times
-    #[arg(long, value_name = "STAGE")]
+    #[arg(long, value_name = "STAGE", value_parser = PossibleValuesParser::new(every_stage().map(|stage| stage.name)))]
     pub only: Vec<String>,
     /// Stop at the first stage that fails
     #[arg(long)]
@@ -21,7 +32,7 @@ pub struct Options {
 /// The checks that `cargo xtask ci` runs before the tests.
 const CHECKS: &[Stage] = stages! {
     "repository": || repo::run(false), "sizes, shown programs, changelog, .meta files and quoted messages are right";
-    "rooms": rooms::run, "the imports of src keep the order of its rooms";
+    "rooms": rooms::stage, "the imports of src keep the order of its rooms";
     "header": || header::run(true), "the committed header and the C# and Python declarations match the sources";
     "format": || Ok(cargo(&["fmt", "--all", "--check"]).run()?), "rustfmt changes nothing";
     "lints": || clippy(&["--workspace", "--all-targets", "--all-features"]), "clippy finds nothing, with all features";
@@ -38,7 +49,7 @@ const LINUX_X86_64: bool = cfg!(all(target_os = "linux", target_arch = "x86_64")
 
 /// In the order in which they run: what is compiled ahead runs late. A new kind of test is one more entry here.
 const STAGES: &[Stage] = stages! {
-    "install": native::install_release,
+    "install": install::stage,
         "the C library installs into target/prefix and exports what the header declares", needs: &[CC];
     "cmake": source::cmake,
         "a CMake project that fetches the source builds it by Cargo, and installs what the installer does",
@@ -50,7 +61,7 @@ const STAGES: &[Stage] = stages! {
         needs: &[CC, CXX, CMAKE, PKG_CONFIG], wants: &[ODE, BULLET, VULKAN_HEADERS, PNG],
         elsewhere: unless(cfg!(not(windows)), "not done on Windows, where pkg-config is rare");
     "abi": abi::stage, "programs built against the last release fit the header of today", needs: &[CC, ABIGAIL];
-    "csharp": csharp::run, "the C# layer works under Mono and rejects libraries that do not fit", needs: &[CC, MONO],
+    "csharp": csharp::stage, "the C# layer works under Mono and rejects libraries that do not fit", needs: &[CC, MONO],
         elsewhere: unless(LINUX, "done with Debian's Mono on Linux only");
     "python": python::stage,
         "the Python package works as a wheel in an environment of its own, and makes examples for bare meshes",
@@ -75,7 +86,7 @@ const STAGES: &[Stage] = stages! {
     "gltf-validator": exports::valid, "the Khronos validator finds nothing wrong with what the command exports",
         needs: &[NPM];
     "crate": source::crates_io, "the crate builds from the files that crates.io gets";
-    "godot": godot::run,
+    "godot": godot::stage,
         "the extension dents meshes in Godot: its classes, both physics engines, the editor's import, a picture",
         needs: &[CC, XVFB], leaves: &["godot"],
         elsewhere: unless(LINUX_X86_64, "the engine is fetched for Linux on x86-64 only");
@@ -84,7 +95,7 @@ const STAGES: &[Stage] = stages! {
         needs: &[PYTHON311, BLENDER_LIBRARIES, NPM, ASSIMP], leaves: &["blender-bpy42", "godot-engine"],
         elsewhere: unless(LINUX_X86_64, "Blender and Godot are fetched for Linux on x86-64 only");
     "web": web::stage, "the WebAssembly module gives the same bits under Node, and its page dents a hood in Chromium",
-        needs: &[WEB_RUST, LLVM, NPM, CHROMIUM];
+        needs: &[WEB_RUST, NPM, CHROMIUM];
     "fuzz": fuzz::stage, "ten seconds of fuzzing find nothing at any door", needs: &[CXX], leaves: &["fuzz"];
     "threads": nightly::threads, "ThreadSanitizer finds no data race where threads share a context", needs: &[CC],
         leaves: &["sanitizers"];
@@ -96,7 +107,7 @@ const STAGES: &[Stage] = stages! {
         needs: &[CC, CMAKE, AARCH64_RUST, AARCH64_CC, QEMU], leaves: &["cross/aarch64-unknown-linux-gnu"];
     "i686": platforms::i686, "the library and the command for 32-bit x86 work, and write the same bytes as here",
         needs: &[CC, CMAKE, I686_RUST, I686_CC], leaves: &["cross/i686-unknown-linux-gnu"];
-    "vulkan": vulkan::run,
+    "vulkan": vulkan::stage,
         "the Vulkan tests pass on lavapipe under validation; with --all also on SwiftShader, and those of wgpu",
         needs: &[VULKAN], wants: &[SWIFTSHADER];
     "rust": rust, "the Rust tests and documentation examples pass; with --all also those of wgpu, the lab and xtask";
@@ -105,26 +116,24 @@ const STAGES: &[Stage] = stages! {
         needs: &[CC, CXX, CMAKE], wants: &[ODE, BULLET, VULKAN, SWIFTSHADER, VULKAN_HEADERS, PNG];
 };
 
-/// Runs the stages that `options` choose, or every check and every test for `ci`. A stage that is not everybody's always runs whole;
-/// those that are run whole with `--all`.
-pub fn run(options: &Options, ci: bool) -> Result<()> {
-    let every: Vec<&Stage> = CHECKS.iter().chain(STAGES).collect();
-    let names: Vec<&str> = every.iter().map(|stage| stage.name).collect();
-    for name in &options.only {
-        ensure!(names.contains(&name.as_str()), "there is no stage {name:?}; there are: {}", names.join(", "));
-    }
+fn every_stage() -> impl Iterator<Item = &'static Stage> {
+    CHECKS.iter().chain(STAGES)
+}
+
+/// Runs the stages that `options` choose, or `every` check and every test. Without `every`, CI=true in the environment asks for the rules
+/// of CI. A stage that is not everybody's always runs whole; those that are run whole with `--all`.
+pub fn run(options: &Options, every: bool) -> Result<()> {
     let everybodys = |stage: &&Stage| FOR_EVERYBODY.contains(&stage.name);
     let stages: Vec<&Stage> = match (options.only.is_empty(), options.all) {
-        _ if ci => every,
-        (false, _) => every.into_iter().filter(|stage| options.only.iter().any(|name| name == stage.name)).collect(),
+        _ if every => every_stage().collect(),
+        (false, _) => every_stage().filter(|stage| options.only.iter().any(|name| name == stage.name)).collect(),
         (true, true) => STAGES.iter().collect(),
         (true, false) => STAGES.iter().filter(everybodys).collect(),
     };
     test_all(options.all || !stages.iter().all(everybodys));
-    let retry = ci || std::env::var("CI").is_ok_and(|value| value == "true" || value == "1");
-    let (require_all, fail_fast) = (options.require_all || retry, options.fail_fast);
-    let ahead = ci || options.all && options.only.is_empty();
-    stage::run_all(&stages, Rules { require_all, fail_fast, retry, tidy: ci, ahead })
+    let ci = every || std::env::var("CI").is_ok_and(|value| value == "true" || value == "1");
+    let ahead = every || options.all && options.only.is_empty();
+    stage::run_all(&stages, Rules { ci, fail_fast: options.fail_fast, ahead })
 }
 
 /// Compiles what stages need in target folders of their own, in their order. A stage finds it ready, or waits for Cargo's lock, and

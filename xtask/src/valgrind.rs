@@ -1,6 +1,14 @@
 //! Runs the tests under valgrind, which must find no error and no leak.
 
-use crate::prelude::*;
+use std::path::PathBuf;
+
+use anyhow::{Result, ensure};
+
+use crate::files::{empty, files, read};
+use crate::native::{self, Build};
+use crate::target::Target;
+use crate::workspace::{in_root, in_target, side_by_side, tests};
+use crate::{install, vulkan};
 
 /// Rooms of src that have unsafe code, and use no driver. src/lib.rs denies it to the others.
 const UNSAFE: &[&str] = &["base::", "deform::", "capi::"];
@@ -19,7 +27,7 @@ pub fn c() -> Result<()> {
         projects: native::TESTS,
         validation: false,
         launcher: run.command.join(";"),
-        drivers: native::one_driver()?,
+        drivers: vulkan::one_driver()?,
         left_out: SLOW,
         ..Build::new("release", &prefix)
     }))

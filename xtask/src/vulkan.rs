@@ -1,10 +1,17 @@
 //! Runs the Vulkan and wgpu tests under validation on Mesa's lavapipe and, with `--all`, on SwiftShader from Debian's Chromium.
 
-use crate::prelude::*;
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+
+use crate::files::{files, name, write};
+use crate::stage::all_passed;
+use crate::tools::{SWIFTSHADER, SWIFTSHADER_LIBRARY, VULKAN};
+use crate::workspace::{all, in_target, tests};
 
 const MANIFESTS: &str = "/usr/share/vulkan/icd.d";
 
-pub fn run() -> Result<()> {
+pub fn stage() -> Result<()> {
     let drivers = drivers()?;
     let manifests = std::env::join_paths(&drivers)?;
     // The tests fail if one of these drivers or the validation layer is missing.
@@ -49,4 +56,9 @@ pub fn lavapipe() -> Result<PathBuf> {
     found
         .find(|file| name(file).is_ok_and(|name| name.starts_with("lvp_icd")))
         .with_context(|| format!("{MANIFESTS} holds no lvp_icd…json"))
+}
+
+/// Mesa's driver alone, for the slow stages. Valgrind does not know some instructions in Chromium's build of SwiftShader.
+pub fn one_driver() -> Result<Vec<PathBuf>> {
+    VULKAN.here().then(lavapipe).into_iter().collect()
 }

@@ -1,6 +1,16 @@
 //! The npm package for browsers and Node: the library as WebAssembly, its interface in JavaScript, and a page that crashes a car.
 
-use crate::prelude::*;
+use std::path::Path;
+
+use anyhow::{Context, Result};
+
+use crate::car::{self, CRASH};
+use crate::files::{copy, copy_licenses, copy_sources, copy_tree, empty};
+use crate::package::licenses;
+use crate::target::{Target, WEB};
+use crate::tools::{self, NPM, WEB_RUST};
+use crate::workspace::{cmd, in_root, in_target, sh, silent};
+use crate::{command, node};
 
 const PACKAGE: &str = "bindings/web";
 /// The parts of the package's folder that users get.
@@ -8,6 +18,7 @@ const INTERFACE: &[&str] = &["package.json", "README.md", "crumple.js", "crumple
 /// What the page draws with, and what drives the browser in its test.
 const THREE: &str = "three@0.180.0";
 const DRIVER: &str = "playwright-core@1.56.1";
+const NODE: &str = "web/node";
 /// The parts of three.js that the page loads.
 const DRAWN_WITH: &str = "LICENSE build/three.module.js build/three.core.js examples/jsm/controls/OrbitControls.js \
                           examples/jsm/environments/RoomEnvironment.js examples/jsm/libs/meshopt_decoder.module.js \
@@ -15,9 +26,9 @@ const DRAWN_WITH: &str = "LICENSE build/three.module.js build/three.core.js exam
 
 /// `cargo xtask web`: the package in DIR/crumple, and the page around it.
 pub fn run(out: &Path) -> Result<()> {
-    tools::require(&[WEB_RUST, LLVM, NPM])?;
+    tools::require(&[WEB_RUST, NPM])?;
     let out = in_root(out);
-    lay_out(&node(&[THREE])?, &out)?;
+    lay_out(&node::modules(NODE, &[THREE])?, &out)?;
     println!(
         "{0}/crumple is the package. Serve {0} and open it: python3 -m http.server --directory {0}",
         out.display()
@@ -27,7 +38,7 @@ pub fn run(out: &Path) -> Result<()> {
 
 /// The module gives the native library's bits under Node, and the page works in Chromium.
 pub fn stage() -> Result<()> {
-    let modules = node(&[THREE, DRIVER])?;
+    let modules = node::modules(NODE, &[THREE, DRIVER])?;
     let folder = in_target("web/page");
     lay_out(&modules, &folder)?;
     let set = folder.join("car.crumple");
@@ -42,11 +53,6 @@ pub fn stage() -> Result<()> {
     Ok(())
 }
 
-/// The folder of Node's modules, with these packages.
-fn node(packages: &[&str]) -> Result<PathBuf> {
-    tools::npm(&in_target("web/node"), packages)
-}
-
 pub fn build() -> Result<()> {
     let cargo = Target::other(WEB).cargo(&["build", "--release", "--locked"])?;
     Ok(cargo.arg("--manifest-path").arg("bindings/web/Cargo.toml").run()?)
@@ -59,7 +65,7 @@ fn lay_out(modules: &Path, out: &Path) -> Result<()> {
     copy_licenses(&package)?;
     build()?;
     let web = Target::other(WEB);
-    let module = web.directory("release").join("crumple_web.wasm");
+    let module = web.folder("release").join("crumple_web.wasm");
     copy(&module, &package.join("crumple.wasm"))?;
     licenses::write_all(&licenses::linked_of(PACKAGE, &[web])?, &package)?;
     copy_tree(in_root(PACKAGE).join("demo"), out)?;

@@ -1,8 +1,14 @@
 //! Wine, which runs programs for Windows. It has a folder of its own below the target directory, and a display without a
 //! screen. Its server and the display end with the stage.
 
-use crate::prelude::*;
-use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use xshell::PushEnv;
+
+use crate::files::{empty, make};
+use crate::target::{Target, WINDOWS};
+use crate::workspace::{Display, cmd, in_target, run, sh};
 
 /// Where distributions put it. Debian has it outside of PATH.
 pub const PROGRAMS: &[&str] = &["/usr/lib/wine/wine64", "/usr/bin/wine64", "/usr/bin/wine"];
@@ -48,19 +54,5 @@ impl Drop for Wine {
     fn drop(&mut self) {
         let server = self.server;
         let _ = cmd!("{server} --kill").quiet().ignore_stderr().run();
-    }
-}
-
-/// A display without a screen, which programs draw on while it lives.
-pub struct Display(#[expect(dead_code)] PushEnv<'static>, #[expect(dead_code)] Background);
-
-impl Display {
-    pub fn start() -> Result<Self> {
-        let mut server = Command::new("Xvfb");
-        let server = server.args(["-displayfd", "1", "-nolisten", "tcp"]).stdin(Stdio::null()).stderr(Stdio::null());
-        let mut server = server.stdout(Stdio::piped()).spawn().context("starting Xvfb")?;
-        let mut number = String::new();
-        BufReader::new(server.stdout.take().context("Xvfb has an output")?).read_line(&mut number)?;
-        Ok(Self(sh().push_env("DISPLAY", format!(":{}", number.trim())), Background(server)))
     }
 }

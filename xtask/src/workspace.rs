@@ -1,10 +1,14 @@
 //! The repository: its root, in which everything runs, its target directory, and the ways to call Cargo and other programs.
 
-use crate::prelude::*;
 use std::ffi::OsString;
-use std::process::{Child, Command, ExitStatus};
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
-use xshell::{Cmd, Shell};
+
+use anyhow::{Context, Result, ensure};
+use serde_json::Value;
+use xshell::{Cmd, PushEnv, Shell};
 
 /// Version of the `crumple` package, the same for every member.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -40,6 +44,11 @@ pub fn in_root(path: impl AsRef<Path>) -> PathBuf {
     root().join(path)
 }
 
+/// A path of the user. What runs is in the repository's root.
+pub fn absolute(path: &str) -> std::io::Result<PathBuf> {
+    std::path::absolute(path)
+}
+
 /// Cargo's target directory; `CARGO_TARGET_DIR` may set it.
 pub fn target_folder() -> PathBuf {
     root().join(std::env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into()))
@@ -63,17 +72,17 @@ macro_rules! cmd {
 }
 macro_rules! run {
     ($command:literal) => {
-        cmd!($command).quiet().run().map_err(anyhow::Error::from)
+        $crate::workspace::cmd!($command).quiet().run().map_err(anyhow::Error::from)
     };
 }
 macro_rules! silent {
     ($command:literal) => {
-        cmd!($command).quiet().ignore_stdout().run().map_err(anyhow::Error::from)
+        $crate::workspace::cmd!($command).quiet().ignore_stdout().run().map_err(anyhow::Error::from)
     };
 }
 macro_rules! said {
     ($command:literal) => {
-        cmd!($command).quiet().read().map_err(anyhow::Error::from)
+        $crate::workspace::cmd!($command).quiet().read().map_err(anyhow::Error::from)
     };
 }
 pub(crate) use {cmd, run, said, silent};
@@ -85,11 +94,14 @@ pub fn cargo(arguments: &[&str]) -> Cmd<'static> {
 
 /// `cargo` for release builds: the binaries contain no path of this machine.
 pub fn cargo_anywhere(arguments: &[&str]) -> Result<Cmd<'static>> {
-    Ok(cargo(arguments).env("CARGO_ENCODED_RUSTFLAGS", anywhere()?.join("\u{1f}")))
+    Ok(cargo(arguments).env(FLAGS, anywhere()?))
 }
 
-/// The flags of such a build for the compiler.
-pub fn anywhere() -> Result<Vec<String>> {
+/// The variable by which Cargo is told flags for the compiler.
+pub const FLAGS: &str = "CARGO_ENCODED_RUSTFLAGS";
+
+/// The flags of such a build for the compiler, as [`FLAGS`] has them.
+pub fn anywhere() -> Result<String> {
     let from = |path: PathBuf, to: &str| format!("--remap-path-prefix={}={to}", path.display());
     let mut flags = vec![
         from(root().to_owned(), "/crumple"),
@@ -101,8 +113,8 @@ pub fn anywhere() -> Result<Vec<String>> {
     for registry in std::fs::read_dir(cargo_home()?.join("registry/src")).into_iter().flatten() {
         flags.push(from(registry?.path(), SOURCES));
     }
-    flags.splice(0..0, std::env::var("RUSTFLAGS").iter().flat_map(|f| f.split_whitespace().map(str::to_owned)));
-    Ok(flags)
+    let given = std::env::var("RUSTFLAGS").unwrap_or_default();
+    Ok(given.split_whitespace().map(str::to_owned).chain(flags).collect::<Vec<_>>().join("\u{1f}"))
 }
 
 pub fn sysroot() -> Result<PathBuf> {
@@ -129,17 +141,6 @@ pub fn git(arguments: &[&str]) -> Result<String> {
     // Another user may own the checkout.
     let trusted = "safe.directory=*";
     said!("git -c {trusted} {arguments...}").context("this needs a git checkout: it takes what git tracks")
-}
-
-/// Copies those files of `parts` of a folder into another that git does not ignore.
-pub fn copy_sources(folder: &str, parts: &[&str], to: &Path) -> Result<()> {
-    let list = ["-C", folder, "ls-files", "--cached", "--others", "--exclude-standard", "--"];
-    let listed = git(&[&list[..], parts].concat())?;
-    listed.lines().try_for_each(|name| copy(Path::new(folder).join(name), &to.join(name)))
-}
-
-pub fn copy_licenses(to: &Path) -> Result<()> {
-    ["LICENSE-MIT", "LICENSE-APACHE"].iter().try_for_each(|license| copy_into(license, to))
 }
 
 /// `cargo build` with the features of the tests; `arguments` choose what to build. A test is built along: without one Cargo leaves
@@ -176,6 +177,20 @@ impl Drop for Background {
     fn drop(&mut self) {
         let _ = self.0.kill();
         let _ = self.0.wait();
+    }
+}
+
+/// A display without a screen, which programs draw on while it lives.
+pub struct Display(#[expect(dead_code)] PushEnv<'static>, #[expect(dead_code)] Background);
+
+impl Display {
+    pub fn start() -> Result<Self> {
+        let mut server = Command::new("Xvfb");
+        let server = server.args(["-displayfd", "1", "-nolisten", "tcp"]).stdin(Stdio::null()).stderr(Stdio::null());
+        let mut server = server.stdout(Stdio::piped()).spawn().context("starting Xvfb")?;
+        let mut number = String::new();
+        BufReader::new(server.stdout.take().context("Xvfb has an output")?).read_line(&mut number)?;
+        Ok(Self(sh().push_env("DISPLAY", format!(":{}", number.trim())), Background(server)))
     }
 }
 

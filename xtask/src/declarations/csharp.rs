@@ -1,9 +1,13 @@
 //! The C# declarations of what headers declare: blittable structs, enums, delegates and P/Invoke functions.
 //! csbindgen does not serve: it reads the Rust sources and cannot translate the callbacks and the `MaybeUninit` fields of defs there.
 
-use super::{Form, Item, Type, Variable, declared, number, prefix, wrapped};
-use crate::prelude::*;
 use std::fmt::Write;
+
+use anyhow::{Context, Result, bail};
+use heck::{ToLowerCamelCase, ToUpperCamelCase};
+use regex_lite::{Captures, Regex};
+
+use super::{Form, Item, Type, Variable, declared, number, prefix, wrapped};
 
 const HEAD: &str = "\
 // Generated from the headers in include by `cargo xtask header`; do not edit it. They document what is declared here. C# lays out
@@ -37,16 +41,8 @@ pub fn files(items: &[Item]) -> Result<(String, String)> {
     Ok((types(items)?, functions(items)?))
 }
 
-/// `contact_vertex` and `CONTACT_VERTEX` as `ContactVertex`.
-pub fn pascal(name: &str) -> String {
-    let name = name.to_ascii_lowercase();
-    let words = name.split('_').filter_map(|word| word.split_at_checked(1));
-    words.map(|(first, rest)| first.to_ascii_uppercase() + rest).collect()
-}
-
 fn camel(name: &str) -> String {
-    let pascal = pascal(name);
-    let name = pascal[..1].to_ascii_lowercase() + &pascal[1..];
+    let name = name.to_lower_camel_case();
     if KEYWORDS.contains(&name.as_str()) { format!("@{name}") } else { name }
 }
 
@@ -80,7 +76,7 @@ fn types(items: &[Item]) -> Result<String> {
     );
     for Item { name, form, .. } in items {
         if let (Form::Define(value), Some(feature)) = (form, name.strip_prefix("CRUMPLE_FEATURE_")) {
-            writeln!(text, "        {} = {value},", pascal(feature))?;
+            writeln!(text, "        {} = {value},", feature.to_upper_camel_case())?;
         }
     }
     text += "    }\n\n";
@@ -88,9 +84,9 @@ fn types(items: &[Item]) -> Result<String> {
         match form {
             Form::Enum(variants) => {
                 writeln!(text, "    public enum {name}\n    {{")?;
-                let prefix = prefix(name, variants)?;
+                let prefix = prefix(name, variants);
                 for (variant, value) in variants {
-                    writeln!(text, "        {} = {value},", pascal(&variant[prefix.len()..]))?;
+                    writeln!(text, "        {} = {value},", variant[prefix.len()..].to_upper_camel_case())?;
                 }
                 text += "    }\n\n";
             }
@@ -113,7 +109,7 @@ fn structure(items: &[Item], text: &mut String, structure: &str, fields: &[Varia
     let fixed = fields.iter().any(|field| field.kind.array.is_some() && number(&field.kind));
     writeln!(text, "    public {}partial struct {structure}\n    {{", if fixed { "unsafe " } else { "" })?;
     for field in fields {
-        let (name, kind) = (pascal(&field.name), kind(items, &field.kind, true)?);
+        let (name, kind) = (field.name.to_upper_camel_case(), kind(items, &field.kind, true)?);
         match field.kind.array {
             None => writeln!(text, "        public {kind} {name};")?,
             Some(length) if number(&field.kind) => writeln!(text, "        public fixed {kind} {name}[{length}];")?,
@@ -136,7 +132,7 @@ fn structure(items: &[Item], text: &mut String, structure: &str, fields: &[Varia
 fn functions(items: &[Item]) -> Result<String> {
     let mut text = format!("{HEAD}{METHODS}");
     // `CRUMPLE_VERSION_MAJOR` is `VersionMajor`, also in the values of others.
-    let define = |name: &str| pascal(name.trim_start_matches("CRUMPLE_"));
+    let define = |name: &str| name.trim_start_matches("CRUMPLE_").to_upper_camel_case();
     for Item { name, form, .. } in items {
         let Form::Define(value) = form else { continue };
         // Features are an enum; a define in small letters is another name of a function, which C# has as it is.

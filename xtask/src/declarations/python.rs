@@ -1,8 +1,10 @@
 //! The Python declarations of everything in the headers of `include`, for the standard library's `ctypes`.
 
-use super::{Form, Item, Type, Variable, declared, number, prefix};
-use crate::prelude::*;
 use std::fmt::Write;
+
+use anyhow::{Context, Result, bail};
+
+use super::{Form, Item, Type, Variable, declared, number, prefix};
 
 const HEAD: &str = "\
 # Generated from the headers in include by `cargo xtask header`; do not edit it. They document what is declared here.
@@ -34,7 +36,7 @@ pub fn module(items: &[Item]) -> Result<String> {
         match form {
             // Without the words that all its names begin with.
             Form::Enum(variants) => {
-                let (docs, prefix) = (docs.join("\n    "), prefix(name, variants)?);
+                let (docs, prefix) = (docs.join("\n    "), prefix(name, variants));
                 writeln!(text, "\n\nclass {name}(IntEnum):\n    \"\"\"{docs}\"\"\"\n")?;
                 variants
                     .iter()

@@ -1,6 +1,11 @@
 //! Packs a folder by git, which keeps of files what an archive should: their contents, their order, and whether they are programs.
 
-use crate::prelude::*;
+use std::path::Path;
+
+use anyhow::{Context, Result};
+
+use crate::files::{announce, make, name};
+use crate::workspace::{git, run, said, sh};
 
 /// Packs `folder` under its own name into a `.zip` or a `.tar.gz`. The bytes depend on the contents and the time alone.
 pub fn write(folder: &Path, path: &Path) -> Result<()> {

@@ -1,8 +1,20 @@
 //! Checks an archive as a user has it: unpacked in an empty folder. Its files match its manifest, and its examples build and run,
 //! shared and static, by CMake and by pkg-config.
 
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
+use serde_json::Value;
+
 use super::{manifest, name_of, pack};
-use crate::prelude::*;
+use crate::abi;
+use crate::files::{copy_tree, read};
+use crate::install::{self, Built};
+use crate::native::{self, Build};
+use crate::target::launch;
+use crate::wine::Wine;
+use crate::workspace::{VERSION, cmd, run, said, sh, silent};
 
 /// A project of a user, beside the archive's examples.
 pub const CLIENT: &str = "xtask/package/client";
@@ -27,7 +39,7 @@ pub fn check(built: &Built, archive: &Path, wine: Option<&Wine>) -> Result<()> {
     let (scratch, target) = (tempfile::tempdir()?, &built.target);
     let (root, runner) = (scratch.path(), Vec::from_iter(wine.map(|wine| wine.program)));
     let folder = unpack(built, archive, root)?;
-    install::loads_well(target, &install::shared(target, &folder))?;
+    install::loads_well(target, &target.shared_in(&folder))?;
     let _found = wine.map(|wine| wine.libraries(&[&folder.join("bin")]));
     command(built, &folder, &runner)?;
     client(built, root, &folder, &runner)?;
@@ -58,7 +70,7 @@ fn unpack(built: &Built, archive: &Path, root: &Path) -> Result<PathBuf> {
     let manifest: Value = serde_json::from_str(&read(folder.join(manifest::FILE))?).context("reading the manifest")?;
     let files = manifest::entries(&folder)?;
     ensure!(manifest["files"] == Value::from(files), "{} is not what its manifest says", archive.display());
-    abi::exported(&folder.join("include"), &install::shared(&built.target, &folder))?;
+    abi::exported(&folder.join("include"), &built.target.shared_in(&folder))?;
     Ok(folder)
 }
 
@@ -95,16 +107,13 @@ fn by_cmake(root: &Path, folder: &Path) -> Result<()> {
     let plain = ["-DCMAKE_DISABLE_FIND_PACKAGE_Vulkan=ON", "-DCMAKE_DISABLE_FIND_PACKAGE_PkgConfig=ON"];
     silent!("cmake -S {examples} -B {build} -DCMAKE_PREFIX_PATH={folder} -DCRUMPLE_STATIC=ON {plain...}")?;
     cmd!("cmake --build {build} --parallel 2").ignore_stdout().run()?;
-    cmd!("ctest --test-dir {build} --parallel 2 --output-on-failure --no-tests=error").run()?;
-    Ok(())
+    native::run_tests(&build, &[])
 }
 
 fn client(built: &Built, root: &Path, folder: &Path, runner: &[&str]) -> Result<()> {
     let (source, built, target) = (root.join("client"), root.join("client-build"), &built.target);
     copy_tree(CLIENT, &source)?;
-    let options = native::cross_options(target)?;
-    let build = Build { options, cross: target.cross, ..Build::new("client", folder) };
-    native::compile(&build, &source, &built)?;
+    native::compile(&Build::on(target, "client", folder)?, &source, &built)?;
     for name in ["client-shared", "client-static"] {
         let program = built.join(target.program(name));
         launch(runner, &program).run().with_context(|| format!("{name}, built by CMake"))?;

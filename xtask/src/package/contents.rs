@@ -1,7 +1,19 @@
 //! The contents of an archive, and the places where engines look for the library in it.
 
+use std::path::Path;
+
+use anyhow::{Context, Result, ensure};
+
 use super::licenses::{FILE as LICENSES, STANDARD_LIBRARY};
-use crate::prelude::*;
+use super::reference;
+use crate::abi;
+use crate::declarations::INCLUDE;
+use crate::files::{copy, copy_tree, files_of, read, write};
+use crate::install::Built;
+use crate::native::{self, Build};
+use crate::package::markdown;
+use crate::tools::VULKAN_HEADERS;
+use crate::workspace::{VERSION, git, in_target, run, sh};
 
 /// Files and folders of the repository that archives hold under the same names.
 const COPIED: &str = "CHANGELOG.md LICENSE-APACHE LICENSE-MIT assets/car/car_dents.glb assets/demo bindings/unity bindings/unreal \
@@ -46,7 +58,7 @@ pub fn copy_all(built: &Built, folder: &Path) -> Result<()> {
     copy(OVERVIEW.0, &folder.join(OVERVIEW.1))?;
     readme(built, folder)?;
     copy_tree(INCLUDE, &folder.join(UNREAL_HEADERS))?;
-    write(folder.join(reference::PAGE), reference::page(Path::new(INCLUDE))?)?;
+    write(folder.join(reference::PAGE), reference::page()?)?;
     unity_plugin(built, folder)?;
     engines(built, folder)?;
     for page in files_of(folder, &["md"])? {
@@ -80,16 +92,15 @@ fn unity_plugin(built: &Built, folder: &Path) -> Result<()> {
         println!("Unity's plugin is left out");
         return Ok(());
     }
-    let directory = in_target(format!("package/{}/{}-unity", target.triple, built.flavour.name));
-    let mut options = native::cross_options(target)?;
-    options.push("-DCRUMPLE_TESTS=OFF".to_owned());
-    let build = Build { options, cross: target.cross, ..Build::new("package", folder) };
-    native::compile(&build, &source, &directory)?;
+    let output = in_target(format!("package/{}/{}-unity", target.triple, built.flavour.name));
+    let mut build = Build::on(target, "package", folder)?;
+    build.options.push("-DCRUMPLE_TESTS=OFF".to_owned());
+    native::compile(&build, &source, &output)?;
     let name = if target.is_windows() { "crumple_unity.dll" } else { "libcrumple_unity.so" };
     let plugin = folder.join(UNITY).join("Plugins/x86_64").join(name);
     // Microsoft's builds have a folder for each configuration.
     let configuration = if target.is_windows() && !target.cross { "RelWithDebInfo" } else { "." };
-    copy(directory.join(configuration).join(name), &plugin)?;
+    copy(output.join(configuration).join(name), &plugin)?;
     if target.is_linux() || target.is_mingw() {
         let strip = target.gnu("strip");
         run!("{strip} --strip-unneeded {plugin}")?;

@@ -2,7 +2,17 @@
 //! same, but would add 150 packages to the build of this helper, and it does not look into the libraries. The table of docs/reliability.md
 //! with all of them, and what must hold for them: cargo-deny checks the same and more, but takes longer to build than this repository.
 
-use crate::prelude::*;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, ensure};
+use memchr::memmem;
+
+use crate::command;
+use crate::files::{bytes, copy, files, files_of, name, passage, read, write};
+use crate::install::{Built, FULL, Flavour, SLIM};
+use crate::target::Target;
+use crate::workspace::{SOURCES, VERSION, in_root, packages, said, sysroot};
 
 pub const FILE: &str = "THIRD-PARTY-LICENSES.txt";
 /// The licenses of Rust's standard library, from Rust's distribution.
@@ -29,7 +39,7 @@ pub struct Linked {
     pub repository: String,
     pub from_crates_io: bool,
     /// The folder of its sources.
-    pub directory: PathBuf,
+    pub folder: PathBuf,
 }
 
 /// The packages that the flavour's library and command link. Procedural macros and build dependencies are not among them.
@@ -80,7 +90,7 @@ fn known(trees: impl Iterator<Item = String>, metadata: &str) -> Result<Vec<Link
             license: package["license"].as_str().unwrap_or("see its text").to_owned(),
             repository: package["repository"].as_str().unwrap_or("unknown").to_owned(),
             from_crates_io: package["source"] == "registry+https://github.com/rust-lang/crates.io-index",
-            directory: manifest.parent().context("manifests lie somewhere")?.to_path_buf(),
+            folder: manifest.parent().context("manifests lie somewhere")?.to_path_buf(),
         });
     }
     ensure!(linked.len() > 10, "cargo tree names {} packages that are linked; that cannot be all", linked.len());
@@ -132,9 +142,9 @@ fn common() -> Result<[(&'static str, String); 2]> {
 
 /// The license texts of a package: its own files, or the supplied text, or a common one that it offers.
 fn texts_of(package: &Linked, supplied: &Path, common: &[(&str, String)]) -> Result<Vec<String>> {
-    let Linked { name: package, version, license, directory, repository, .. } = package;
+    let Linked { name: package, version, license, folder, repository, .. } = package;
     let mut texts = Vec::new();
-    for file in files(directory)?.iter().filter(|file| file.parent() == Some(directory)) {
+    for file in files(folder)?.iter().filter(|file| file.parent() == Some(folder)) {
         let name = name(file)?.to_lowercase();
         if BEGINNINGS.iter().any(|beginning| name.starts_with(beginning)) {
             texts.push(read(file)?);
@@ -157,11 +167,11 @@ fn texts_of(package: &Linked, supplied: &Path, common: &[(&str, String)]) -> Res
     Ok(texts)
 }
 
-/// Fails if a library of an archive contains code of a package that is neither in `linked` nor, as `NAME-VERSION`, in `standard`. The
-/// source paths in panic messages name the packages. The tests' debug build of the command has the tests' features.
-pub fn nothing_unlicensed(built: &Built, folder: &Path, linked: &[Linked], standard: &[String]) -> Result<()> {
-    let linked = linked.iter().map(|package| format!("{}-{}", package.name, package.version));
-    let (known, mut libraries) = (linked.chain(standard.iter().cloned()).collect::<BTreeSet<_>>(), 0);
+/// Fails if a library of an archive contains code of a package that is not in `linked`. The source paths in panic messages name the
+/// packages. The tests' debug build of the command has the tests' features.
+pub fn nothing_unlicensed(built: &Built, folder: &Path, linked: &[Linked]) -> Result<()> {
+    let known = linked.iter().map(|package| format!("{}-{}", package.name, package.version));
+    let (known, mut libraries) = (known.collect::<BTreeSet<_>>(), 0);
     for file in files(folder.join("lib"))?.into_iter().chain(files(folder.join("bin")).unwrap_or_default()) {
         if !built.handed_out && name(&file)? == built.target.program("crumple") {
             continue;
@@ -192,11 +202,11 @@ pub fn check_table(page: &str, fix: bool) -> Result<()> {
     let mut names = BTreeSet::new();
     let mut table =
         String::from("| package | slim | license | kept at | lines with `unsafe` |\n|---|---|---|---|---|\n");
-    for Linked { name, version, license, repository, directory, from_crates_io } in &full {
+    for Linked { name, version, license, repository, folder, from_crates_io } in &full {
         ensure!(offers(license, ALLOWED), "{name} is under {license}, which none of {ALLOWED:?} fulfils");
         ensure!(*from_crates_io, "{name} does not come from crates.io");
         ensure!(names.insert(name), "{name} is linked in several versions");
-        let rust = files_of(directory.join("src"), &["rs"])?;
+        let rust = files_of(folder.join("src"), &["rs"])?;
         let lines = rust.iter().map(|file| Ok(unsafe_lines(&read(file)?))).sum::<Result<usize>>()?;
         let home = repository.trim_start_matches("https://").trim_end_matches(".git").trim_end_matches('/');
         let slim = if slim.iter().any(|package| package.name == *name) { "yes" } else { "no" };
@@ -229,14 +239,13 @@ mod tests {
     fn a_packages_own_texts_come_first_then_one_that_it_may_be_used_under() {
         let texts = |license: &str, files: &[(&str, &str)]| {
             let scratch = tempfile::tempdir().unwrap();
-            let directory = scratch.path().to_path_buf();
+            let folder = scratch.path().to_path_buf();
             for (name, text) in files {
-                fs::write(directory.join(name), text).unwrap();
+                std::fs::write(folder.join(name), text).unwrap();
             }
             let (name, version, repository) =
                 ("denty".into(), "1.2.0".into(), "https://example.org/dents/denty.git".into());
-            let package =
-                Linked { name, version, license: license.into(), repository, from_crates_io: true, directory };
+            let package = Linked { name, version, license: license.into(), repository, from_crates_io: true, folder };
             texts_of(&package, scratch.path(), &[("Apache-2.0", "apache".into()), ("MPL-2.0", "mozilla".into())])
         };
         let files = [("LICENSE-MIT", "mit"), ("COPYING", "copy"), ("lib.rs", "no"), ("NOTICE", " ")];

@@ -1,8 +1,16 @@
 //! `manifest.json`: the version, target, features and files of an archive, for programs.
 
-use crate::prelude::*;
-use serde_json::json;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use memchr::memmem;
+use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
+
+use crate::abi;
+use crate::files::{bytes, files, within, write};
+use crate::install::Built;
+use crate::workspace::{VERSION, git, rustc_says};
 
 pub const FILE: &str = "manifest.json";
 

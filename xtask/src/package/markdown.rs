@@ -1,6 +1,11 @@
 //! Links between pages. Links to files that an archive leaves out become plain text.
 
-use crate::prelude::*;
+use std::path::Path;
+
+use anyhow::Result;
+use regex_lite::{Captures, Regex};
+
+use crate::files::{name, read, write};
 
 /// Code, in which nothing is a link, or a link or picture: its mark, text and target.
 const LINK: &str = r"(?s)```.*?```|`[^`\n]*`|(!?)\[((?:[^\[\]]|\[[^\[\]]*\])*)\]\(([^()\s]*)\)";
@@ -10,11 +15,11 @@ pub fn copy_page(page: &Path, folder: &Path) -> Result<()> {
     write(folder.join(name(page)?), without_dead_links(&read(page)?, folder)?)
 }
 
-/// `page` of `directory` without links to files that do not exist. Web addresses and anchors stay.
-fn without_dead_links(page: &str, directory: &Path) -> Result<String> {
+/// `page` of `folder` without links to files that do not exist. Web addresses and anchors stay.
+fn without_dead_links(page: &str, folder: &Path) -> Result<String> {
     let kept = |found: &Captures<'_>| {
         let file = found.get(3).map(|target| target.as_str().split('#').next().unwrap_or_default());
-        let dead = |file: &str| !file.contains(':') && !directory.join(file).exists();
+        let dead = |file: &str| !file.contains(':') && !folder.join(file).exists();
         let part = if !file.is_some_and(dead) { 0 } else { 2 };
         // Of a dead picture nothing stays.
         if part == 2 && &found[1] == "!" { String::new() } else { found[part].to_owned() }

@@ -1,6 +1,12 @@
 //! Moves debug symbols out of the libraries and programs into a folder of their own.
 
-use crate::prelude::*;
+use std::path::Path;
+
+use anyhow::Result;
+
+use crate::files::{copy_into, files, make, name, write};
+use crate::install::Built;
+use crate::workspace::{run, said};
 
 const README: &str = "\
 Debug symbols of the archive of the same name. gdb and lldb find `NAME.debug` beside the library NAME, or in a

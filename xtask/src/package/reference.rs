@@ -1,6 +1,12 @@
 //! `docs/reference.md` of an archive: the C interface as a page, made of the headers' comments.
 
-use crate::prelude::*;
+use std::collections::BTreeSet;
+
+use anyhow::{Context, Result};
+use regex_lite::{Captures, Regex};
+
+use crate::declarations::{self, HEADERS, INCLUDE, Item};
+use crate::files::read;
 
 pub const PAGE: &str = "docs/reference.md";
 const OPENING: &str = "# The C interface
@@ -9,16 +15,16 @@ Every function and type of the [headers](../include), in their order. [quickstar
 [crumple.hpp](../include/crumple.hpp) has the same for C++17, and [bindings/unity/Runtime](../bindings/unity/Runtime) for C#, on the CPU.
 ";
 
-pub fn page(include: &Path) -> Result<String> {
-    let all = declarations::header(&declarations::read(include)?).context("reading the headers")?;
+pub fn page() -> Result<String> {
+    let all = declarations::header(&declarations::read(INCLUDE, &HEADERS)?).context("reading the headers")?;
     let known: BTreeSet<&str> = all.iter().map(|item| item.name.as_str()).collect();
     let mut page = OPENING.to_owned();
     for file in HEADERS.iter() {
-        let header = read(include.join(file))?;
+        let header = read(format!("{INCLUDE}/{file}"))?;
         let opening = header.lines().map_while(|line| line.strip_prefix("//"));
         let opening: Vec<_> = opening.map(|line| line.strip_prefix(' ').unwrap_or(line)).collect();
         page += &format!("\n## {file}\n\n```text\n{}\n```\n", opening.join("\n").trim());
-        for Item { docs, name, text, .. } in &declarations::header(&declarations::joined(&[header]))? {
+        for Item { docs, name, text, .. } in &declarations::header(&header)? {
             page += &format!("\n### {name}\n\n```c\n{text}\n```\n\n");
             page += &linked(&(docs.join("\n") + "\n"), &known)?;
         }
