@@ -116,6 +116,10 @@ pub fn dist(flavour: &'static Flavour, target: &Target) -> Result<Built> {
 
 /// What a program links beside the static library, such as `-lpthread`: `rustc` prints it for an empty one.
 fn static_needs(target: &Target) -> Result<Vec<String>> {
+    if !target.has_standard_library() {
+        // Compiling it for the question takes minutes.
+        return Ok(target.static_needs().split(' ').map(str::to_owned).collect());
+    }
     let scratch = tempfile::tempdir()?;
     let (rustc, triple, empty) = (rustc(), &target.triple, scratch.path().join("empty.a"));
     let print = cmd!("{rustc} --target {triple} --crate-type staticlib --print native-static-libs -o {empty} -");

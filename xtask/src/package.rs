@@ -81,7 +81,7 @@ fn lay_out(built: &Built) -> Result<(PathBuf, PathBuf)> {
     }
     symbols::separate(built, &folder, &debug)?;
     let linked = licenses::linked(built)?;
-    licenses::nothing_unlicensed(built, &folder, &linked)?;
+    licenses::nothing_unlicensed(built, &folder, &linked, &target.standard_packages()?)?;
     licenses::write_all(&linked, &folder)?;
     contents::copy_all(built, &folder)?;
     let mut all = files(&folder)?;

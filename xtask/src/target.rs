@@ -3,14 +3,21 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
+use regex_lite::Regex;
 use xshell::Cmd;
 
-use crate::workspace::{FLAGS, anywhere, cargo, cargo_anywhere, cmd, in_target, rustc_says, target_folder};
+use crate::files::read;
+use crate::workspace::{FLAGS, anywhere, cargo_anywhere, cmd, in_target, rustc_says, sysroot, target_folder};
 
 pub const WINDOWS: &str = "x86_64-pc-windows-gnu";
 pub const AARCH64: &str = "aarch64-unknown-linux-gnu";
 pub const I686: &str = "i686-unknown-linux-gnu";
 pub const WEB: &str = "wasm32-unknown-unknown";
+
+/// Rust as Debian packages it. With the source of the standard library (rust-web-src) it compiles for any system.
+const DEBIAN_CARGO: &str = "/usr/bin/cargo";
+const DEBIAN_RUSTC: &str = "/usr/bin/rustc";
+const DEBIAN_SOURCE: &str = "/usr/lib/rustlib/src/rust/library";
 
 #[derive(Clone)]
 pub struct Target {
@@ -86,9 +93,36 @@ impl Target {
         format!("{prefix}{program}")
     }
 
+    /// Whether Rust can compile for it, with its own standard library or from Debian's source of it.
+    pub fn has_rust(&self) -> bool {
+        let exists = |path: &&str| Path::new(path).exists();
+        self.has_standard_library() || [DEBIAN_CARGO, DEBIAN_RUSTC, DEBIAN_SOURCE].iter().all(exists)
+    }
+
+    /// Whether the toolchain that runs this program has the standard library for it: rustup installs that.
+    pub fn has_standard_library(&self) -> bool {
+        !self.cross || sysroot().is_ok_and(|root| root.join("lib/rustlib").join(&self.triple).join("lib").is_dir())
+    }
+
+    /// `NAME-VERSION` of the packages that the standard library is compiled from, if it is compiled here.
+    pub fn standard_packages(&self) -> Result<Vec<String>> {
+        if self.has_standard_library() {
+            return Ok(Vec::new());
+        }
+        let lock = read(Path::new(DEBIAN_SOURCE).join("Cargo.lock"))?;
+        let package = Regex::new("name = \"(.+)\"\nversion = \"(.+)\"")?;
+        Ok(package.captures_iter(&lock).map(|found| format!("{}-{}", &found[1], &found[2])).collect())
+    }
+
     /// A variable by which Cargo is told something about this system: `LINKER`, `RUNNER`.
     pub fn variable(&self, what: &str) -> String {
         format!("CARGO_TARGET_{}_{what}", self.triple.to_uppercase().replace('-', "_"))
+    }
+
+    /// The system libraries that Rust's standard library links there.
+    pub fn static_needs(&self) -> &'static str {
+        let windows = "-lkernel32 -lntdll -luserenv -lws2_32 -ldbghelp";
+        if self.is_windows() { windows } else { "-lgcc_s -lutil -lrt -lpthread -lm -ldl -lc" }
     }
 
     /// Cargo with these arguments, building for this system with no path of this machine in the binaries.
@@ -97,13 +131,22 @@ impl Target {
             return cargo_anywhere(arguments);
         }
         // A warning here is one that the lints of this machine's system do not see. Every browser of the last years has vectors.
-        let web = self.triple == WEB;
+        let (web, triple) = (self.triple == WEB, &self.triple);
         let own = if web { "\u{1f}-Ctarget-feature=+simd128" } else { "" };
         let flags = format!("{}\u{1f}--deny=warnings{own}", anywhere()?);
+        let (first, rest) = arguments.split_first().unwrap_or((&"", &[]));
+        let cargo = if self.has_standard_library() {
+            cmd!("cargo {first} --target {triple}")
+        } else {
+            // Cargo calls this unstable. Debian's Rust has no compiled standard library for other systems.
+            let source = format!("-Zbuild-std=std,{},test", if web { "panic_abort" } else { "panic_unwind" });
+            let cargo = cmd!("{DEBIAN_CARGO} {first} {source} --target {triple}");
+            cargo.env("RUSTC", DEBIAN_RUSTC).env("RUSTC_BOOTSTRAP", "1")
+        };
+        let linker = if web { "wasm-ld".to_owned() } else { self.gnu("gcc") };
         // Builds for this system do not wait for it.
-        let cargo =
-            cargo(arguments).args(["--target", &self.triple]).env("CARGO_TARGET_DIR", cross()).env(FLAGS, flags);
-        Ok(if web { cargo } else { cargo.env(self.variable("LINKER"), self.gnu("gcc")) })
+        let cargo = cargo.env("CARGO_TARGET_DIR", cross()).env(self.variable("LINKER"), linker);
+        Ok(cargo.env(FLAGS, flags).args(rest))
     }
 }
 

@@ -7,7 +7,7 @@ use clap::builder::PossibleValuesParser;
 use crate::stage::{self, Rules, Stage, all_passed, stages, unless};
 use crate::tools::{
     AARCH64_CC, AARCH64_RUST, ABIGAIL, ASSIMP, BLENDER_LIBRARIES, BULLET, CC, CHROMIUM, CMAKE, CXX, FOR_WINDOWS,
-    I686_CC, I686_RUST, MONO, NPM, ODE, PKG_CONFIG, PNG, PYTHON3, PYTHON311, QEMU, SWIFTSHADER, VALGRIND, VULKAN,
+    I686_CC, I686_RUST, LLVM, MONO, NPM, ODE, PKG_CONFIG, PNG, PYTHON3, PYTHON311, QEMU, SWIFTSHADER, VALGRIND, VULKAN,
     VULKAN_HEADERS, WEB_RUST, XVFB,
 };
 use crate::workspace::{all, cargo, in_root, test_all, tests};
@@ -95,7 +95,7 @@ const STAGES: &[Stage] = stages! {
         needs: &[PYTHON311, BLENDER_LIBRARIES, NPM, ASSIMP], leaves: &["blender-bpy42", "godot-engine"],
         elsewhere: unless(LINUX_X86_64, "Blender and Godot are fetched for Linux on x86-64 only");
     "web": web::stage, "the WebAssembly module gives the same bits under Node, and its page dents a hood in Chromium",
-        needs: &[WEB_RUST, NPM, CHROMIUM];
+        needs: &[WEB_RUST, LLVM, NPM, CHROMIUM];
     "fuzz": fuzz::stage, "ten seconds of fuzzing find nothing at any door", needs: &[CXX], leaves: &["fuzz"];
     "threads": nightly::threads, "ThreadSanitizer finds no data race where threads share a context", needs: &[CC],
         leaves: &["sanitizers"];

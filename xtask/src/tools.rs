@@ -5,14 +5,14 @@ use std::path::Path;
 
 use anyhow::{Result, ensure};
 
-use crate::target::{AARCH64, I686, WEB, WINDOWS};
+use crate::target::{AARCH64, I686, Target, WEB, WINDOWS};
 use crate::wine;
-use crate::workspace::{cmd, said, silent, sysroot};
+use crate::workspace::{cmd, said, silent};
 
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub struct Tool {
     name: &'static str,
-    /// The packages of Debian that have it; none for what rustup installs.
+    /// The packages of Debian that have it.
     packages: &'static str,
     sign: Sign,
 }
@@ -24,7 +24,7 @@ enum Sign {
     Calls(&'static str),
     /// Libraries that the system's loader finds.
     Loaded(&'static str),
-    /// A system that the toolchain has Rust's standard library for.
+    /// A system that Rust can compile for.
     Rust(&'static str),
     /// One of these files.
     File(&'static [&'static str]),
@@ -38,6 +38,7 @@ macro_rules! tools {
     };
 }
 
+const FOR_RUST: &str = "rustc-web cargo-web rust-web-src";
 pub const SWIFTSHADER_LIBRARY: &str = "/usr/lib/chromium/libvk_swiftshader.so";
 
 tools! {
@@ -73,18 +74,18 @@ tools! {
     PNG: "libpng's headers", "pkg-config libpng-dev", Calls("pkg-config --exists libpng");
     /// Similar to Unity's C#.
     MONO: "Mono with its C# compiler", "mono-mcs mono-runtime", Calls("mcs, mono");
-    WINDOWS_RUST: "Rust for Windows (rustup target add x86_64-pc-windows-gnu)", "", Rust(WINDOWS);
+    WINDOWS_RUST: "Rust for Windows (or: rustup target add x86_64-pc-windows-gnu)", FOR_RUST, Rust(WINDOWS);
     MINGW: "MinGW's compilers", "g++-mingw-w64-x86-64-posix mingw-w64-x86-64-dev",
         Calls("x86_64-w64-mingw32-gcc-posix, x86_64-w64-mingw32-g++-posix");
     WINE: "Wine", "wine64", File(wine::PROGRAMS);
     XVFB: "Xvfb", "xvfb", File(&["/usr/bin/Xvfb"]);
     LLVM: "LLVM's clang, lld-link and llvm-dlltool", "clang lld llvm", Calls("clang, lld-link, llvm-strip");
-    AARCH64_RUST: "Rust for 64-bit ARM (rustup target add aarch64-unknown-linux-gnu)", "", Rust(AARCH64);
+    AARCH64_RUST: "Rust for 64-bit ARM (or: rustup target add aarch64-unknown-linux-gnu)", FOR_RUST, Rust(AARCH64);
     AARCH64_CC: "GNU's compilers for 64-bit ARM", "g++-aarch64-linux-gnu",
         Calls("aarch64-linux-gnu-gcc, aarch64-linux-gnu-g++");
-    I686_RUST: "Rust for 32-bit x86 (rustup target add i686-unknown-linux-gnu)", "", Rust(I686);
+    I686_RUST: "Rust for 32-bit x86 (or: rustup target add i686-unknown-linux-gnu)", FOR_RUST, Rust(I686);
     I686_CC: "GNU's compilers for 32-bit x86", "g++-i686-linux-gnu", Calls("i686-linux-gnu-gcc, i686-linux-gnu-g++");
-    WEB_RUST: "Rust for WebAssembly (rustup target add wasm32-unknown-unknown)", "", Rust(WEB);
+    WEB_RUST: "Rust for WebAssembly (or: rustup target add wasm32-unknown-unknown)", FOR_RUST, Rust(WEB);
     CHROMIUM: "Chromium", "chromium", Calls("/usr/bin/chromium");
     QEMU: "qemu-aarch64", "qemu-user", Calls("qemu-aarch64");
     ASSIMP: "assimp", "assimp-utils", Calls("assimp version");
@@ -109,7 +110,7 @@ impl Tool {
             Loaded(names) => said!("/sbin/ldconfig -p").is_ok_and(|known| {
                 names.split(' ').all(|name| known.lines().any(|line| line.trim_start().starts_with(name)))
             }),
-            Rust(triple) => sysroot().is_ok_and(|root| root.join("lib/rustlib").join(triple).join("lib").is_dir()),
+            Rust(triple) => Target::other(triple).has_rust(),
             File(paths) => paths.iter().any(|path| Path::new(path).exists()),
         }
     }
@@ -121,7 +122,7 @@ pub fn provide<'t>(wanted: impl IntoIterator<Item = &'t Tool>) -> Vec<Tool> {
     missing.retain(|tool| !tool.here());
     for tool in &missing {
         if let Rust(triple) = tool.sign {
-            // Like errors below, this one is ignored: missing tools are reported.
+            // Where there is no rustup, or it reaches nothing, a package of the distribution follows.
             let _ = cmd!("rustup target add {triple}").ignore_stderr().run();
         }
     }
@@ -132,7 +133,7 @@ pub fn provide<'t>(wanted: impl IntoIterator<Item = &'t Tool>) -> Vec<Tool> {
         let apt = |what: &[&str], packages: &[&str]| {
             cmd!("env {privilege...} env DEBIAN_FRONTEND=noninteractive apt-get -q -y {what...} {packages...}").run()
         };
-        // One package that the release lacks must not stop the others.
+        // Errors are ignored here: one package that the release lacks must not stop the others, and missing tools are reported below.
         let _ = apt(&["update"], &[]);
         let install = ["install", "--no-install-recommends"];
         if apt(&install, &packages).is_err() {
@@ -155,13 +156,12 @@ pub fn require(wanted: &[Tool]) -> Result<()> {
 /// The command that installs the missing tools.
 pub fn advice(missing: &[Tool]) -> String {
     let names: Vec<&str> = missing.iter().map(|tool| tool.name).collect();
-    let (names, packages) = (names.join(", "), packages_of(missing).join(" "));
-    let install = if packages.is_empty() { "" } else { ". On Debian or Ubuntu type: sudo apt-get install " };
-    format!("missing: {names}{install}{packages}")
+    let packages = packages_of(missing).join(" ");
+    format!("missing: {}. On Debian or Ubuntu type: sudo apt-get install {packages}", names.join(", "))
 }
 
 fn packages_of(tools: &[Tool]) -> Vec<&'static str> {
-    tools.iter().flat_map(|tool| tool.packages.split_whitespace()).collect::<BTreeSet<_>>().into_iter().collect()
+    tools.iter().flat_map(|tool| tool.packages.split(' ')).collect::<BTreeSet<_>>().into_iter().collect()
 }
 
 /// What `apt-get` is called with: nothing as root, or a sudo that needs no password. `None` if there is neither, or no `apt-get`.

@@ -8,7 +8,7 @@ use crate::car::{self, CRASH};
 use crate::files::{copy, copy_licenses, copy_sources, copy_tree, empty};
 use crate::package::licenses;
 use crate::target::{Target, WEB};
-use crate::tools::{self, NPM, WEB_RUST};
+use crate::tools::{self, LLVM, NPM, WEB_RUST};
 use crate::workspace::{cmd, in_root, in_target, sh, silent};
 use crate::{command, node};
 
@@ -26,7 +26,7 @@ const DRAWN_WITH: &str = "LICENSE build/three.module.js build/three.core.js exam
 
 /// `cargo xtask web`: the package in DIR/crumple, and the page around it.
 pub fn run(out: &Path) -> Result<()> {
-    tools::require(&[WEB_RUST, NPM])?;
+    tools::require(&[WEB_RUST, LLVM, NPM])?;
     let out = in_root(out);
     lay_out(&node::modules(NODE, &[THREE])?, &out)?;
     println!(

@@ -167,11 +167,11 @@ fn texts_of(package: &Linked, supplied: &Path, common: &[(&str, String)]) -> Res
     Ok(texts)
 }
 
-/// Fails if a library of an archive contains code of a package that is not in `linked`. The source paths in panic messages name the
-/// packages. The tests' debug build of the command has the tests' features.
-pub fn nothing_unlicensed(built: &Built, folder: &Path, linked: &[Linked]) -> Result<()> {
-    let known = linked.iter().map(|package| format!("{}-{}", package.name, package.version));
-    let (known, mut libraries) = (known.collect::<BTreeSet<_>>(), 0);
+/// Fails if a library of an archive contains code of a package that is neither in `linked` nor, as `NAME-VERSION`, in `standard`. The
+/// source paths in panic messages name the packages. The tests' debug build of the command has the tests' features.
+pub fn nothing_unlicensed(built: &Built, folder: &Path, linked: &[Linked], standard: &[String]) -> Result<()> {
+    let linked = linked.iter().map(|package| format!("{}-{}", package.name, package.version));
+    let (known, mut libraries) = (linked.chain(standard.iter().cloned()).collect::<BTreeSet<_>>(), 0);
     for file in files(folder.join("lib"))?.into_iter().chain(files(folder.join("bin")).unwrap_or_default()) {
         if !built.handed_out && name(&file)? == built.target.program("crumple") {
             continue;
