@@ -113,7 +113,7 @@ typedef struct CrumpleExampleSetOptions {
     float bake_normal_tolerance;
     /// Mass of each vertex, kg: vertex_count floats, instead of vertex_mass. Default absent.
     CrumpleInput vertex_masses;
-    /// Examples also count mirrored where they agree with it, if the body is symmetric about a coordinate plane through the
+    /// Examples also count mirrored unless they contradict it, if the body is symmetric about a coordinate plane through the
     /// centre of its bounds. Default true.
     bool mirror;
     /// Dents fade to zero at boundary edges that no example moves. Default true.

@@ -58,6 +58,30 @@ fn mirror_planes_are_found_where_they_are() {
 }
 
 #[test]
+fn examples_on_one_side_count_on_the_other_and_contradict_only_the_plane_between_them() {
+    let mesh = scenes::sheet(40);
+    // Wider towards the middle of x, and towards +y on both sides of the middle of y.
+    let dent = |c: Vec3, p: Vec3| {
+        let d = p - c;
+        let wide = |towards: bool| if towards { 0.15f32 } else { 0.06 };
+        let (x, y) = (d.x / wide(d.x * c.x < 0.0), d.y / wide(d.y > 0.0));
+        Vec3::new(0.0, 0.0, -0.04 * (-x * x - y * y).exp())
+    };
+    let places = [-0.3f32, -0.2].into_iter().flat_map(|x| [-0.3f32, -0.1, 0.1, 0.3].map(|y| [x, y, 0.0]));
+    let contacts: Vec<u32> = places.map(|p| scenes::nearest(&mesh, p)).collect();
+    let at = |v: u32| Vec3::from(mesh.positions[v as usize]);
+    let examples = contacts.iter().map(|v| example(&mesh, *v, |p| dent(at(*v), p))).collect();
+    let set = build(mesh.clone(), examples, SetOptions::default());
+    for v in contacts {
+        let there = at(v) * Vec3::new(-1.0, 1.0, 1.0);
+        let hit = Hit::displacement(there.to_array(), [0.0, 0.0, -0.04]);
+        let truth: Vec<Vec3> = mesh.positions.iter().map(|p| dent(there, Vec3::from(*p))).collect();
+        let error = relative_l2(&self::dent(&set, InstanceOptions::default(), &hit).0, &truth);
+        assert!(error < 0.1, "{there}: {error}");
+    }
+}
+
+#[test]
 fn planes_survive_a_few_strays_but_no_more() {
     // of 625 vertices 6 may lack an image
     let with = |strays: usize, off: f32| {

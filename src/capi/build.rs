@@ -60,7 +60,7 @@ pub struct CrumpleExampleSetOptions {
     pub bake_normal_tolerance: f32,
     /// Mass of each vertex, kg: vertex_count floats, instead of vertex_mass. Default absent.
     pub vertex_masses: CrumpleInput,
-    /// Examples also count mirrored where they agree with it, if the body is symmetric about a coordinate plane through the
+    /// Examples also count mirrored unless they contradict it, if the body is symmetric about a coordinate plane through the
     /// centre of its bounds. Default true.
     pub mirror: MaybeUninit<bool>,
     /// Dents fade to zero at boundary edges that no example moves. Default true.

@@ -32,7 +32,7 @@ pub struct SetOptions {
     pub tolerance: Option<f32>,
     /// With a tolerance, the largest error of a normal for an example of weight 1, degrees. Above 0 and at most 45.
     pub normal_tolerance: f32,
-    /// Whether examples also count mirrored where they agree with it, if the body is symmetric about a coordinate plane through the centre of
+    /// Whether examples also count mirrored unless they contradict it, if the body is symmetric about a coordinate plane through the centre of
     /// its bounds.
     pub mirror: bool,
     /// Whether carried dents fade to zero towards edges of the sheet that the examples show to be held (fixed).

@@ -41,6 +41,16 @@ impl Mirror {
         (0..8).map(Mirror).filter(move |m| m.within(self))
     }
 
+    /// Its planes, one by one.
+    pub(crate) fn planes(self) -> impl Iterator<Item = Mirror> {
+        self.choices().filter(|m| m.0.is_power_of_two())
+    }
+
+    /// Its planes but those of `other`.
+    pub(crate) fn without(self, other: Mirror) -> Mirror {
+        Mirror(self.0 & !other.0)
+    }
+
     fn signs(self) -> Vec3 {
         let sign = |bit: u8| if self.0 >> bit & 1 == 1 { -1.0 } else { 1.0 };
         Vec3::new(sign(0), sign(1), sign(2))

@@ -13,7 +13,7 @@ pub struct Body {
     /// The number of points.
     pub(super) count: usize,
     pub(super) places: Vec<Places>,
-    /// Coordinate planes in which the body is symmetric. Examples then also count mirrored, if they agree with it.
+    /// Coordinate planes in which the body is symmetric. Examples then also count mirrored, unless they contradict it.
     pub(super) mirror: Mirror,
     /// A point of those planes, m.
     pub(super) centre: Vec3,

@@ -33,6 +33,8 @@ const STARTS: [f64; 3] = [0.0, 0.5, 1.0];
 const SIZE: Lengths = [-1.386, 0.0, 1.792, 1.792, 3.0, 1.099, 0.693, -2.0];
 const CARRIED: Lengths = [0.0, 0.405, 1.099, 1.609, 1.099, 0.0, 0.405, -1.0];
 const ANCHORED: Lengths = [-1.386, 0.405, 1.099, 1.609, 1.099, 1.099, 0.693, -3.0];
+/// Samples lie on one side of a plane if at most one of so many lies on the other.
+const FEW_BEYOND: usize = 10;
 /// Expected logarithm of the length of a lean.
 const LEAN: f64 = -1.6;
 
@@ -41,6 +43,8 @@ struct Data<'a> {
     body: Body,
     samples: Vec<Sample<'a>>,
     partners: Vec<(Mirror, Vec<u32>)>,
+    /// The planes of symmetry that have samples on both sides. Only these can samples contradict.
+    two_sided: Mirror,
     typical: Typical,
 }
 
@@ -63,7 +67,8 @@ impl Predictor {
         let ordered: Vec<Sample> = order.iter().map(|i| samples[*i as usize]).collect();
         let mirrors = body.mirror.choices().filter(|m| *m != Mirror::NONE);
         let partners = mirrors.map(|m| (m, body.partners(m))).collect();
-        let data = Data { body, partners, typical: typical(&ordered), samples: ordered };
+        let two_sided = two_sided(&body, &ordered);
+        let data = Data { body, partners, two_sided, typical: typical(&ordered), samples: ordered };
 
         let (displacement, blow) = (data.best_model(false, tasks), data.best_model(true, tasks));
         let mut images = displacement.iter().chain(&blow).flat_map(|model| &model.examples);
@@ -78,6 +83,16 @@ impl Predictor {
             order,
         }
     }
+}
+
+/// The planes of symmetry on both sides of which samples lie.
+fn two_sided(body: &Body, samples: &[Sample<'_>]) -> Mirror {
+    let both = |plane: &Mirror| {
+        let image = |s: &&Sample<'_>| plane.point(s.contact, body.centre);
+        let beyond = samples.iter().filter(|s| (s.contact - image(s)).element_sum() > 0.0).count();
+        beyond.min(samples.len() - beyond) * FEW_BEYOND > samples.len()
+    };
+    Mirror::from_bits(body.mirror.planes().filter(both).map(Mirror::bits).sum())
 }
 
 /// The place of a sample in the canonical order.
@@ -139,20 +154,26 @@ impl Data<'_> {
         reach
     }
 
-    /// The model with the better choice of mirror images, for blows or for displacements. `None` if no sample knows a blow.
+    /// The model for blows or for displacements, with images in the planes that the samples do not contradict. `None` if no sample knows a blow.
     fn best_model(&self, blows: bool, tasks: &dyn TaskSystem) -> Option<Model> {
-        let all: Vec<Mirror> = std::iter::once(Mirror::NONE).chain(self.partners.iter().map(|(m, _)| *m)).collect();
-        let mut best: Option<Draft> = None;
-        for mirrors in [&all[..], &all[..1]] {
-            if best.as_ref().is_some_and(|b| all.len() == 1 || b.groups.len() < LEAST_GROUPS) {
-                break;
-            }
-            let draft = self.draft(blows, mirrors, tasks)?;
-            if best.as_ref().is_none_or(|b| draft.score < b.score) {
-                best = Some(draft);
+        let draft = |planes: Mirror| self.draft(blows, &planes.choices().collect::<Vec<_>>(), tasks);
+        let mut used = self.body.mirror;
+        let mut best = draft(used)?;
+        if best.groups.len() >= LEAST_GROUPS {
+            for plane in self.two_sided.planes() {
+                let without = draft(used.without(plane))?;
+                if without.score <= best.score {
+                    (used, best) = (used.without(plane), without);
+                }
             }
         }
-        best.map(|draft| self.finish(draft, blows))
+        Some(self.finish(best, blows))
+    }
+
+    /// The groups without images that are near no sample and tell nothing of lengths.
+    fn telling(&self, images: &[Image], groups: &[Vec<usize>]) -> Vec<Vec<usize>> {
+        let telling = |i: &usize| images[*i].mirror.within(self.two_sided);
+        groups.iter().map(|group| group.iter().copied().filter(telling).collect()).collect()
     }
 
     fn images(&self, blows: bool, mirrors: &[Mirror]) -> Vec<Image> {
@@ -206,7 +227,7 @@ impl Data<'_> {
             }
         }
         let groups: Vec<Vec<usize>> = groups.into_iter().map(|(_, g)| g).collect();
-        let used = some_rows(&groups, FIT_ROWS);
+        let used = some_rows(&self.telling(&images, &groups), FIT_ROWS);
         let mut unit = Vec::with_capacity(n * columns);
         let mut logs = Vec::with_capacity(n);
         for image in &images {
@@ -299,7 +320,7 @@ impl Data<'_> {
             model.errors = if groups.len() > 1 { errors } else { vec![1.0; n] };
             return model;
         }
-        let used = some_rows(&groups, FIT_ROWS);
+        let used = some_rows(&self.telling(&images, &groups), FIT_ROWS);
         let contacts: Vec<usize> = images.iter().map(|i| self.body.nearest(i.contact)).collect();
         let mut kriging: Option<(Kriging, Lengths)> = None;
         // Score, errors, share and factor; the part is that of their start.

@@ -48,7 +48,7 @@ pub struct CrumpleExampleSet {
     #[export(range = (0.0, 0.01, 0.0001, or_greater, suffix = "m"))]
     #[var(set)]
     tolerance: f32,
-    /// If `true`, examples also count mirrored where they agree with it, on symmetric bodies.
+    /// If `true`, examples also count mirrored unless they contradict it, on symmetric bodies.
     #[export]
     #[var(set)]
     mirror: bool,

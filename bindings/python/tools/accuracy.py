@@ -4,7 +4,7 @@
 
 The hood and the drum are the demo's; framed, a panel on a frame of ribs, and can are those of tests/bodies.py. The examples are made as the
 command does with --quality good, and judged by hits that they do not contain: blows drawn at random with another seed, on the same shell, and
-some of them on a shell with more points. The error is the relative L2 norm of the displacement over all points of the shell; no dent is 1.
+some of them on a shell with more points. The error is the relative L2 norm of the displacement over all vertices of the mesh; no dent is 1.
 Told the blow: the contact's place and normal, and the striker's mass, velocity and radius. Told the displacement: where the contact went.
 Minutes are those of one core, by the processes' own clocks. The run can be interrupted and repeated. It writes FOLDER/BODY.csv.
 """
@@ -16,6 +16,7 @@ import csv
 import os
 import platform
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -23,7 +24,7 @@ import numpy as np
 
 import crumple
 from crumple.examples import command, judge, profile, run, shell, symmetry
-from crumple.examples.body import Body, Floats, Made
+from crumple.examples.body import Body, Floats, Made, point_normals
 from crumple.examples.materials import MATERIALS
 from crumple.examples.plan import Plan
 from crumple.examples.solver import Solver
@@ -76,14 +77,16 @@ def measure(name: str, options: argparse.Namespace) -> None:
     # Anywhere on the body, also on the sides that the mirror images are for.
     free = Plan(solid, material, thickness, ("ball",), 30.0, 2, symmetry.Symmetry(), depth)
     blows = free.draw(0, 1 << (2 * options.unseen).bit_length(), state.energies())
-    unseen = hits(solid, replace(settings, seed=2), folder / "unseen", body, blows, options.unseen, solid)
+    unseen = hits(solid, replace(settings, seed=2), folder / "unseen", body, blows, options.unseen)
     seen = [result for result in unseen if np.linalg.norm(result.made.field, axis=1).max() >= judge.SEEN * solid.size]
     fine = shell.make(body, int(FINER * len(solid.points)), "auto")
     again = {}
     if options.fine:
-        finer = hits(fine, replace(settings, seed=3), folder / "fine", body, [result.blow for result in seen], options.fine, solid)
+        finer = hits(fine, replace(settings, seed=3), folder / "fine", body, [result.blow for result in seen], options.fine)
         again = {finer_one.blow.point.tobytes(): finer_one.made for finer_one in finer}
-    rows = [row(count, solid, done, seen, again) for count in options.count]
+    dents = profile.Profile(body.points, point_normals(body.points, body.triangles), shell.still(body, solid, "auto"), body.size)
+    carry = command.carrier(body, solid, "auto")
+    rows = [row(count, body, carry, done, dents, seen, again) for count in options.count]
     with (options.out / f"{path.stem}.csv").open("w", newline="") as file:
         table = csv.writer(file, lineterminator="\n")
         table.writerow(COLUMNS)
@@ -92,23 +95,26 @@ def measure(name: str, options: argparse.Namespace) -> None:
     print("\n".join(", ".join(f"{name} {value}" for name, value in zip(COLUMNS, one, strict=True)) for one in rows), flush=True)
 
 
-def row(count: int, solid: shell.Shell, done: run.Run, unseen: list[run.Result], again: dict[bytes, Made]) -> tuple:
+def row(
+    count: int, body: Body, carry: Callable[[Floats], Floats], done: run.Run, dents: profile.Profile, unseen: list[run.Result],
+    again: dict[bytes, Made],
+) -> tuple:  # fmt: skip
     """One line of the table: the set of the first examples."""
     taken, examples = [], []
     for result in done.results:
         if len(examples) < count:
             taken.append(result)
-            examples += [result.made] if result.made is not None else []
-    dents = profile.Profile(solid.points, solid.normals, solid.held, solid.size)
+            examples += [replace(result.made, field=carry(result.made.field))] if result.made is not None else []
+    examples = [made for made in examples if np.abs(made.field[nearest(body, made)]).max() >= body.step]
     blow, moved, generic, fine, coarse = [], [], [], [], []
     with crumple.Context(threads=1) as context:
-        body = context.example_set(solid.points, solid.triangles, [judge.as_example(solid.points, made) for made in examples]).instance()
+        instance = context.example_set(body.points, body.triangles, [judge.as_example(body.points, made) for made in examples]).instance()
         for result in unseen:
             made = result.made
-            vertex = int(np.linalg.norm(solid.points - made.point, axis=1).argmin())
-            told = judge.by_blow(body, made)
+            vertex = nearest(body, made)
+            told = judge.by_blow(instance, made)
             blow.append(judge.error(made, told))
-            moved.append(judge.error(made, judge.by_displacement(body, made, made.field[vertex])))
+            moved.append(judge.error(made, judge.by_displacement(instance, made, made.field[vertex])))
             generic.append(judge.error(made, dents.dent(vertex, made.field[vertex])))
             truth = again.get(result.blow.point.tobytes())
             if truth is not None:
@@ -117,14 +123,19 @@ def row(count: int, solid: shell.Shell, done: run.Run, unseen: list[run.Result],
     middle = lambda values: f"{np.median(values):.3f}" if values else ""  # noqa: E731
     minutes = sum(result.seconds for result in taken) / 60
     p90 = f"{np.quantile(blow, 0.9):.3f}"
-    return len(examples), len(taken), f"{minutes:.1f}", middle(blow), p90, middle(moved), middle(generic), middle(fine), middle(coarse)
+    return count, len(taken), f"{minutes:.1f}", middle(blow), p90, middle(moved), middle(generic), middle(fine), middle(coarse)
 
 
-def hits(of: shell.Shell, settings: run.Settings, folder: Path, body: Body, blows: list, count: int, onto: shell.Shell) -> list[run.Result]:
-    """The first `count` hits that leave a dent, with their fields at the points of another shell."""
+def nearest(body: Body, made: Made) -> int:
+    """The point that was hit."""
+    return int(np.linalg.norm(body.points - made.point, axis=1).argmin())
+
+
+def hits(of: shell.Shell, settings: run.Settings, folder: Path, body: Body, blows: list, count: int) -> list[run.Result]:
+    """The first `count` hits that leave a dent, with their fields at the body's points."""
     store = run.Store(folder, body, of, settings)
     kept = {result.index: result for result in store.read()}
-    solver, carrier, found = Solver(of, MATERIALS[settings.material], settings.thickness), shell.Carrier(of, onto.points), []
+    solver, carry, found = Solver(of, MATERIALS[settings.material], settings.thickness), command.carrier(body, of, settings.hold), []
     for index, blow in enumerate(blows):
         if len(found) == count:
             break
@@ -133,8 +144,7 @@ def hits(of: shell.Shell, settings: run.Settings, folder: Path, body: Body, blow
             store.write(result)
             print(f"unseen {index} on {len(of.points)} points: {result.words()}", flush=True)
         if result.made is not None:
-            field: Floats = result.made.field if of is onto else carrier.field(result.made.field)
-            found.append(replace(result, made=replace(result.made, field=field)))
+            found.append(replace(result, made=replace(result.made, field=carry(result.made.field))))
     return found
 
 

@@ -94,7 +94,7 @@ class SetOptions:
     bake_normal_tolerance: float = 1.0
     """Largest error of a normal, degrees. Unused if bake_tolerance is 0."""
     mirror: bool = True
-    """Examples also count mirrored where they agree with it, if the body is symmetric."""
+    """Examples also count mirrored unless they contradict it, if the body is symmetric."""
     held_rims: bool = True
     """Dents fade to zero at boundary edges that no example moves."""
     whole_examples: bool = False

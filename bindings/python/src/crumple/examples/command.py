@@ -18,7 +18,7 @@ import numpy as np
 import crumple
 
 from . import Failure, units
-from .body import Body, Made, face_normals
+from .body import Body, Floats, Made, face_normals
 from .materials import MATERIALS, STRIKERS, radii
 from .units import metres
 
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from .inner import Solid
     from .judge import Judged
     from .run import Progress, Run
+    from .shell import Shell
 
 _NEEDED = "mujoco pygltflib pymeshlab scipy tqdm matplotlib"
 DEPTH = (0.0025, 0.06)
@@ -300,13 +301,10 @@ def _simulated(
     if failed:
         words.append(f"{len(failed)} hits gave no example: {run.advice(failed)}.")
     print("\n".join(words[-2:] if failed else words[-1:]))
-    carrier = shell.Carrier(solid, body.points)
-    still = shell.still(body, solid, options.hold)
+    carry = carrier(body, solid, options.hold)
     carried = []
     for made in done.made:
-        field = carrier.field(made.field)
-        field[still] = 0
-        field = run.quiet(field, run.least(body.size))
+        field = carry(made.field)
         # The library wants an example to move the vertex that was hit, also once the file has rounded it.
         if np.abs(field[np.linalg.norm(body.points - made.point, axis=1).argmin()]).max() >= body.step:
             carried.append(replace(made, field=field))
@@ -316,6 +314,20 @@ def _simulated(
         words.append(f"{len(done.made) - len(carried)} dents are too slight for the mesh's own vertices and were left out.")
         print(words[-1])
     return carried, done, solid.points[solid.held]
+
+
+def carrier(body: Body, solid: Shell, hold: str) -> Callable[[Floats], Floats]:
+    """What makes fields of the body's points from those of the shell's."""
+    from . import run, shell
+
+    onto, still = shell.Carrier(solid, body.points), shell.still(body, solid, hold)
+
+    def carry(field: Floats) -> Floats:
+        out = onto.field(field)
+        out[still] = 0
+        return run.quiet(out, run.least(body.size))
+
+    return carry
 
 
 class _Bar:

@@ -63,8 +63,8 @@ def find(body: Body, points: Floats, held: np.ndarray, room: Floats) -> tuple[Sy
             normals.append(normal)
         else:
             notes.append(
-                f"the mesh is the same on both sides in {'xyz'[axis]}, but what is held or lies inside is not; both sides are hit, but the "
-                "library uses mirror images all the same"
+                f"the mesh is the same on both sides in {'xyz'[axis]}, but what is held or lies inside is not; both sides are hit, and the "
+                "library takes mirror images only if the hits do not contradict them"
             )
     if normals:
         notes.append(
