@@ -4,7 +4,7 @@
 
 The door is the structure's (lab/data/README.md): a skin with a crease and a free edge over a rigid beam and post. The command gets what an artist has:
 the mesh, paint where it is held, the frame as solids inside, the sheet, how large and heavy strikers are, and how deep dents are to be. Its shell has
-some 1200 points, and the truth's has 2460.
+some 1000 points, and the truth's has 2460.
 The hits are those of play.npz, told as blows: the contact's place and normal, and the striker's mass, velocity and radius; told also as the
 displacement of the contact. The error is the relative L2 norm of the displacement over all vertices; no dent is 1. Hits that leave less than
 2 mm at the contact are left out. First come the hits themselves on the command's shell: no set made on it is nearer to the truth, but by chance.
