@@ -9,7 +9,7 @@ use crate::mesh::nearest::VertexIndex;
 use glam::Vec3;
 
 /// Greatest distance between a mirrored vertex and its nearest vertex, as a share of the bounds' diagonal.
-const TOLERANCE: f32 = 1e-3;
+pub(crate) const TOLERANCE: f32 = 1e-3;
 /// Share of the vertices that may miss the tolerance.
 const STRAYS: f32 = 0.01;
 

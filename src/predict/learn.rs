@@ -13,7 +13,7 @@ use super::size::SizeLaw;
 use super::stamp::{STAMP, View, read};
 use crate::base::tasks::{TaskSystem, map};
 use crate::basis::field::GROUP;
-use crate::mesh::mirror::Mirror;
+use crate::mesh::mirror::{self, Mirror};
 use glam::{DVec3, Vec3};
 
 /// Most examples and images from which lengths are fitted.
@@ -85,12 +85,14 @@ impl Predictor {
     }
 }
 
-/// The planes of symmetry on both sides of which samples lie.
+/// The planes of symmetry on both sides of which samples lie. What lies in a plane lies on both of its sides.
 fn two_sided(body: &Body, samples: &[Sample<'_>]) -> Mirror {
+    let near = mirror::TOLERANCE * body.diagonal as f32;
     let both = |plane: &Mirror| {
-        let image = |s: &&Sample<'_>| plane.point(s.contact, body.centre);
-        let beyond = samples.iter().filter(|s| (s.contact - image(s)).element_sum() > 0.0).count();
-        beyond.min(samples.len() - beyond) * FEW_BEYOND > samples.len()
+        let to_image = |s: &Sample<'_>| (s.contact - plane.point(s.contact, body.centre)).element_sum();
+        let before = samples.iter().filter(|s| to_image(s) < near).count();
+        let beyond = samples.iter().filter(|s| to_image(s) > -near).count();
+        beyond.min(before) * FEW_BEYOND > samples.len()
     };
     Mirror::from_bits(body.mirror.planes().filter(both).map(Mirror::bits).sum())
 }

@@ -524,7 +524,7 @@ def test_messages(tmp_path, capsys):
         ([panel, "--mesh", "door"], "has no mesh door; it has: body"),
         ([panel, "--depth", "30", "2"], "must rise"),
         ([panel, "--mass", "20", "1"], "--mass is 20 to 1 kg; it must rise"),
-        ([panel, "--radius", "30", "2000"], "--radius is 30 to 2000 mm; it must rise, up to"),
+        ([panel, "--radius", "30", "900"], "--radius is 30 to 900 mm; it must rise, up to"),
         ([panel, "-o", panel], "is the input"),
         ([panel, "-o", tmp_path / "out.obj"], "must end in .glb"),
         ([nan], "vertex 5 of body is not finite"),
