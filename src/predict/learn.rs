@@ -85,13 +85,13 @@ impl Predictor {
     }
 }
 
-/// The planes of symmetry on both sides of which samples lie. What lies in a plane lies on both of its sides.
+/// The planes of symmetry on both sides of which samples lie. What lies in a plane lies on neither of its sides.
 fn two_sided(body: &Body, samples: &[Sample<'_>]) -> Mirror {
     let near = mirror::TOLERANCE * body.diagonal as f32;
     let both = |plane: &Mirror| {
         let to_image = |s: &Sample<'_>| (s.contact - plane.point(s.contact, body.centre)).element_sum();
-        let before = samples.iter().filter(|s| to_image(s) < near).count();
-        let beyond = samples.iter().filter(|s| to_image(s) > -near).count();
+        let before = samples.iter().filter(|s| to_image(s) < -near).count();
+        let beyond = samples.iter().filter(|s| to_image(s) > near).count();
         beyond.min(before) * FEW_BEYOND > samples.len()
     };
     Mirror::from_bits(body.mirror.planes().filter(both).map(Mirror::bits).sum())
