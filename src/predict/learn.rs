@@ -71,17 +71,11 @@ impl Predictor {
         let data = Data { body, partners, two_sided, typical: typical(&ordered), samples: ordered };
 
         let (displacement, blow) = (data.best_model(false, tasks), data.best_model(true, tasks));
-        let mut images = displacement.iter().chain(&blow).flat_map(|model| &model.examples);
-        let is_mirrored = images.any(|(_, mirror)| *mirror != Mirror::NONE);
-        Predictor {
-            reach: data.reach(),
-            body: data.body,
-            partners: if is_mirrored { data.partners } else { Vec::new() },
-            typical: data.typical,
-            blow,
-            displacement,
-            order,
-        }
+        let reach = data.reach();
+        let images = || displacement.iter().chain(&blow).flat_map(|model| &model.examples);
+        let mut partners = data.partners;
+        partners.retain(|(used, _)| images().any(|(_, mirror)| mirror == used));
+        Predictor { reach, body: data.body, partners, typical: data.typical, blow, displacement, order }
     }
 }
 
@@ -172,10 +166,11 @@ impl Data<'_> {
         Some(self.finish(best, blows))
     }
 
-    /// The groups without images that are near no sample and tell nothing of lengths.
-    fn telling(&self, images: &[Image], groups: &[Vec<usize>]) -> Vec<Vec<usize>> {
-        let telling = |i: &usize| images[*i].mirror.within(self.two_sided);
-        groups.iter().map(|group| group.iter().copied().filter(telling).collect()).collect()
+    /// The rows from which lengths are fitted. Images in planes that have samples on one side only are near no sample, and are left out.
+    fn fit_rows(&self, images: &[Image], groups: &[Vec<usize>]) -> Vec<usize> {
+        let near = |i: &usize| images[*i].mirror.within(self.two_sided);
+        let groups: Vec<Vec<usize>> = groups.iter().map(|group| group.iter().copied().filter(near).collect()).collect();
+        some_rows(&groups, FIT_ROWS)
     }
 
     fn images(&self, blows: bool, mirrors: &[Mirror]) -> Vec<Image> {
@@ -229,7 +224,7 @@ impl Data<'_> {
             }
         }
         let groups: Vec<Vec<usize>> = groups.into_iter().map(|(_, g)| g).collect();
-        let used = some_rows(&self.telling(&images, &groups), FIT_ROWS);
+        let used = self.fit_rows(&images, &groups);
         let mut unit = Vec::with_capacity(n * columns);
         let mut logs = Vec::with_capacity(n);
         for image in &images {
@@ -322,7 +317,7 @@ impl Data<'_> {
             model.errors = if groups.len() > 1 { errors } else { vec![1.0; n] };
             return model;
         }
-        let used = some_rows(&self.telling(&images, &groups), FIT_ROWS);
+        let used = self.fit_rows(&images, &groups);
         let contacts: Vec<usize> = images.iter().map(|i| self.body.nearest(i.contact)).collect();
         let mut kriging: Option<(Kriging, Lengths)> = None;
         // Score, errors, share and factor; the part is that of their start.
