@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import operator
 import os
 import queue
 import re
@@ -250,13 +251,13 @@ class CRUMPLE_OT_make_examples(MeshOperator, bpy.types.Operator):
         given["--thickness"] = 1000 * metre * self.thickness
         for name, value in given.items():
             out += [name, f"{value:.7g}"] if value else []
-        for name, what, low, high, unit in (
-            ("--depth", "depths, the shallowest and the deepest", self.shallowest, self.deepest, 1000 * metre),
-            ("--mass", "masses, of the lightest and the heaviest striker", self.lightest, self.heaviest, 1.0),
-            ("--radius", "radii, of the smallest and the largest striker", self.smallest, self.largest, 1000 * metre),
+        for name, what, low, high, unit, rise in (
+            ("--depth", "depths, the shallowest and the deepest", self.shallowest, self.deepest, 1000 * metre, operator.lt),
+            ("--mass", "masses, of the lightest and the heaviest striker", self.lightest, self.heaviest, 1.0, operator.le),
+            ("--radius", "radii, of the smallest and the largest striker", self.smallest, self.largest, 1000 * metre, operator.le),
         ):
             if low or high:
-                if not 0 < low <= high:
+                if not (0 < low and rise(low, high)):
                     raise Trouble(f"give both {what}, or neither; they must rise")
                 out += [name, f"{unit * low:.7g}", f"{unit * high:.7g}"]
         out += ["--go-on"] if self.go_on else []

@@ -24,7 +24,7 @@ import numpy as np
 
 import crumple
 from crumple.examples import command, judge, profile, run, shell, symmetry
-from crumple.examples.body import Body, Floats, Made, point_normals
+from crumple.examples.body import Body, Made, point_normals
 from crumple.examples.materials import MATERIALS
 from crumple.examples.plan import Plan
 from crumple.examples.solver import Solver
@@ -96,22 +96,22 @@ def measure(name: str, options: argparse.Namespace) -> None:
 
 
 def row(
-    count: int, body: Body, carry: Callable[[Floats], Floats], done: run.Run, dents: profile.Profile, unseen: list[run.Result],
+    count: int, body: Body, carry: Callable[[Made], Made], done: run.Run, dents: profile.Profile, unseen: list[run.Result],
     again: dict[bytes, Made],
 ) -> tuple:  # fmt: skip
     """One line of the table: the set of the first examples."""
-    taken, examples = [], []
+    taken, dented = [], []
     for result in done.results:
-        if len(examples) < count:
+        if len(dented) < count:
             taken.append(result)
-            examples += [replace(result.made, field=carry(result.made.field))] if result.made is not None else []
-    examples = [made for made in examples if np.abs(made.field[nearest(body, made)]).max() >= body.step]
+            dented += [carry(result.made)] if result.made is not None else []
+    examples = [made for made in dented if command.is_example(body, made)]
     blow, moved, generic, fine, coarse = [], [], [], [], []
     with crumple.Context(threads=1) as context:
         instance = context.example_set(body.points, body.triangles, [judge.as_example(body.points, made) for made in examples]).instance()
         for result in unseen:
             made = result.made
-            vertex = nearest(body, made)
+            vertex = body.nearest(made.point)
             told = judge.by_blow(instance, made)
             blow.append(judge.error(made, told))
             moved.append(judge.error(made, judge.by_displacement(instance, made, made.field[vertex])))
@@ -123,12 +123,7 @@ def row(
     middle = lambda values: f"{np.median(values):.3f}" if values else ""  # noqa: E731
     minutes = sum(result.seconds for result in taken) / 60
     p90 = f"{np.quantile(blow, 0.9):.3f}"
-    return count, len(taken), f"{minutes:.1f}", middle(blow), p90, middle(moved), middle(generic), middle(fine), middle(coarse)
-
-
-def nearest(body: Body, made: Made) -> int:
-    """The point that was hit."""
-    return int(np.linalg.norm(body.points - made.point, axis=1).argmin())
+    return len(dented), len(taken), f"{minutes:.1f}", middle(blow), p90, middle(moved), middle(generic), middle(fine), middle(coarse)
 
 
 def hits(of: shell.Shell, settings: run.Settings, folder: Path, body: Body, blows: list, count: int) -> list[run.Result]:
@@ -144,7 +139,7 @@ def hits(of: shell.Shell, settings: run.Settings, folder: Path, body: Body, blow
             store.write(result)
             print(f"unseen {index} on {len(of.points)} points: {result.words()}", flush=True)
         if result.made is not None:
-            found.append(replace(result, made=replace(result.made, field=carry(result.made.field))))
+            found.append(replace(result, made=carry(result.made)))
     return found
 
 

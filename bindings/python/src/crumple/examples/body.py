@@ -105,6 +105,10 @@ class Body:
         self.step = min(self.scale / SHORT, INVISIBLE * self.size)
         """Written displacements are multiples of this, or exact, m."""
 
+    def nearest(self, point: Floats) -> int:
+        """The index of the point that is nearest to a place."""
+        return int(np.linalg.norm(self.points - point, axis=1).argmin())
+
     def place(self, point: Floats) -> str:
         """A point of `points` in the file's own space and units, for messages."""
         x, y, z = np.linalg.inv(self.world) @ point

@@ -18,7 +18,7 @@ import numpy as np
 import crumple
 
 from . import Failure, units
-from .body import Body, Floats, Made, face_normals
+from .body import Body, Made, face_normals
 from .materials import MATERIALS, STRIKERS, radii
 from .units import metres
 
@@ -301,13 +301,7 @@ def _simulated(
     if failed:
         words.append(f"{len(failed)} hits gave no example: {run.advice(failed)}.")
     print("\n".join(words[-2:] if failed else words[-1:]))
-    carry = carrier(body, solid, options.hold)
-    carried = []
-    for made in done.made:
-        field = carry(made.field)
-        # The library wants an example to move the vertex that was hit, also once the file has rounded it.
-        if np.abs(field[np.linalg.norm(body.points - made.point, axis=1).argmin()]).max() >= body.step:
-            carried.append(replace(made, field=field))
+    carried = [made for made in map(carrier(body, solid, options.hold), done.made) if is_example(body, made)]
     if not carried:
         raise Failure("no blow left a dent on the mesh's own vertices; subdivide it, or choose a larger --depth")
     if len(carried) < len(done.made):
@@ -316,18 +310,23 @@ def _simulated(
     return carried, done, solid.points[solid.held]
 
 
-def carrier(body: Body, solid: Shell, hold: str) -> Callable[[Floats], Floats]:
-    """What makes fields of the body's points from those of the shell's."""
+def carrier(body: Body, solid: Shell, hold: str) -> Callable[[Made], Made]:
+    """What carries dents of the shell to the body's points."""
     from . import run, shell
 
     onto, still = shell.Carrier(solid, body.points), shell.still(body, solid, hold)
 
-    def carry(field: Floats) -> Floats:
-        out = onto.field(field)
-        out[still] = 0
-        return run.quiet(out, run.least(body.size))
+    def carry(made: Made) -> Made:
+        field = onto.field(made.field)
+        field[still] = 0
+        return replace(made, field=run.quiet(field, run.least(body.size)))
 
     return carry
+
+
+def is_example(body: Body, made: Made) -> bool:
+    """Whether a dent moves the point that was hit, also once the file has rounded it: the library wants that of an example."""
+    return bool(np.abs(made.field[body.nearest(made.point)]).max() >= body.step)
 
 
 class _Bar:
@@ -370,7 +369,7 @@ def _positive(text: str) -> float:
 
 
 def _millimetres(text: str) -> float:
-    """In metres."""
+    """Metres."""
     return 1e-3 * _positive(text)
 
 

@@ -32,7 +32,7 @@ def write(folder: Path, body: Body, examples: Sequence[Made], held: Floats, done
     for old in folder.glob("*.png"):
         old.unlink()
     errors = done.judged.errors if done is not None and done.judged is not None else {}
-    depths = [float(np.linalg.norm(made.field[np.linalg.norm(body.points - made.point, axis=1).argmin()])) for made in examples]
+    depths = [float(np.linalg.norm(made.field[body.nearest(made.point)])) for made in examples]
     known = any(made.impulse is not None for made in examples)
     head = ["example", "depth, mm", "largest, mm"]
     head += ["impulse, N s", "mass, kg", "speed, m/s", "radius, mm", "contact, ms", "error"] if known else []

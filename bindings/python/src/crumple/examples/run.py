@@ -61,7 +61,7 @@ class Settings:
     mass: tuple[float, float] | None = None
     """Of the strikers, kg. None: what their energy needs at usual speeds."""
     radius: tuple[float, float] | None = None
-    """Of the strikers but walls. None: as usual for each."""
+    """Of the strikers other than walls, m. None: as usual for each."""
 
 
 @dataclass
