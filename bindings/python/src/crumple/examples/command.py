@@ -89,7 +89,8 @@ def _parser() -> argparse.ArgumentParser:
         nargs=2,
         type=_millimetres,
         metavar=("MIN", "MAX"),
-        help="of balls, stones, poles and half the cubes of corners, mm; default: 3 to 10 %% of the diagonal, stones 1 to 2.5 %%, corners 10 to 20 %%",
+        help="of balls, stones and poles, and half the side of the cubes of corners, mm; default: 3 to 10 %% of the diagonal, stones 1 to 2.5 %%, "
+        "corners 10 to 20 %%",
     )
     add(
         "--inner",
