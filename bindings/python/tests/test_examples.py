@@ -354,6 +354,14 @@ def test_one_metric_judges_examples_and_round_dents(tmp_path):
     assert judge.judge(made, noise).blow > judged.blow + 0.2
 
 
+def test_judged_blows_tell_the_kind_of_striker(tmp_path):
+    made = planned(tmp_path)[0]
+    # A corner's dent is a fifth of a ball's, and only the kind tells them apart.
+    balls, corners = dents(made, 24), dents(made, 24, seed=2)
+    corners = [run.replace(one, name=f"corner {one.name}", shape="corner", field=0.2 * one.field) for one in corners]
+    assert judge.judge(made, balls + corners).blow < 0.5
+
+
 def test_a_set_that_predicts_nothing_is_a_failure_with_its_cause(tmp_path):
     from crumple.examples import command
 

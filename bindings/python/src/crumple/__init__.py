@@ -34,6 +34,7 @@ from .types import (
     SetOptions,
     Space,
     Striker,
+    StrikerShape,
 )
 
 __version__: str = library.crumple_version_string().decode()
@@ -42,5 +43,5 @@ __version__: str = library.crumple_version_string().decode()
 __all__ = [
     "MARK", "Attachment", "Buffer", "Changes", "ContactHit", "ContactPoint", "ContactReport", "Context", "CrumpleError",
     "DeformReport", "Example", "ExampleInfo", "ExampleSet", "HitResult", "HitStatus", "Instance", "InstanceInfo", "Mesh", "Pose", "Primitive", "Result",
-    "Rule", "Selection", "SetInfo", "SetOptions", "Space", "Striker", "keep_out", "library", "native",
+    "Rule", "Selection", "SetInfo", "SetOptions", "Space", "Striker", "StrikerShape", "keep_out", "library", "native",
 ]  # fmt: skip

@@ -23,11 +23,14 @@ from ._native import (
 from ._native import (
     CrumpleSpace as Space,
 )
+from ._native import (
+    CrumpleStrikerShape as StrikerShape,
+)
 
 __all__ = [
     "Attachment", "Changes", "DeformReport", "Example", "ExampleInfo", "HitResult", "HitStatus",
     "InstanceInfo", "MARK", "Mesh", "Pose", "Primitive", "Result", "Rule", "Selection", "SetInfo", "SetOptions", "Space",
-    "Striker",
+    "Striker", "StrikerShape",
 ]  # fmt: skip
 
 Floats = NDArray[np.float32]
@@ -51,8 +54,8 @@ class Striker:
     """Radius of its surface at the contact, m: small for a corner, large for a flat face."""
     velocity: ArrayLike = (0.0, 0.0, 0.0)
     """Relative to the struck body before the touch, m/s."""
-    shape: int = 0
-    """Its shape at the contact: 0 unknown, 1 a ball or anything round, 2 a pole or an edge, 3 a corner, 4 a wall or any flat face."""
+    shape: StrikerShape = StrikerShape.UNKNOWN
+    """Its shape at the contact: BALL or anything round, POLE or an edge, CORNER, WALL or any flat face."""
 
 
 @dataclass
@@ -211,7 +214,7 @@ class ContactPoint:
     inverse_mass: float | None = None
     """How easily the two move at the point along the normal, 1/kg."""
     radii: tuple[float | None, float | None] = (None, None)
-    shapes: tuple[int, int] = (0, 0)
+    shapes: tuple[StrikerShape, StrikerShape] = (StrikerShape.UNKNOWN, StrikerShape.UNKNOWN)
     """As those of `Striker`."""
     gain: float = 1.0
 

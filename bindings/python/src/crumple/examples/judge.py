@@ -93,7 +93,7 @@ def error(made: Made, field: Floats) -> float:
 def by_blow(body: crumple.Instance, made: Made) -> Floats:
     """The field that a set predicts for a blow, told what a rigid-body engine knows of it."""
     body.reset()
-    body.hit(made.point, striker=crumple.Striker(made.mass, made.radius, made.velocity), normal=made.normal)
+    body.hit(made.point, striker=striker(made), normal=made.normal)
     return _field(body)
 
 
@@ -120,5 +120,9 @@ def as_example(points: Floats, made: Made) -> crumple.Example:
     example = crumple.Example(points + made.field, name=made.name, contact=made.point, normal=made.normal)
     if made.impulse is not None and made.velocity is not None:
         example.impulse, example.duration = made.impulse, made.duration
-        example.striker = crumple.Striker(made.mass, made.radius, made.velocity)
+        example.striker = striker(made)
     return example
+
+
+def striker(made: Made) -> crumple.Striker:
+    return crumple.Striker(made.mass, made.radius, made.velocity, crumple.StrikerShape[made.shape.upper() or "UNKNOWN"])
