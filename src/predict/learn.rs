@@ -237,7 +237,7 @@ impl Data<'_> {
         let strengths: Vec<f64> =
             points.iter().zip(&logs).map(|(p, l)| if blows { *l } else { p[STRENGTH_AXIS] }).collect();
         let reference = strengths.iter().sum::<f64>() / n as f64;
-        let wide = |i: usize| wide(blows, strengths[i] - reference);
+        let wide = |strength: f64| wide(blows, strength - reference);
 
         let lean = |mut l: Lengths| {
             if !blows {
@@ -248,14 +248,15 @@ impl Data<'_> {
         let exponent = if blows { 0.5 } else { 1.0 };
         let (size, missed) = SizeLaw::learn(&points, &logs, &groups, &used, exponent, lean(SIZE));
 
-        let view =
-            |i: usize| View::new(&self.body.frames, images[i].contact, images[i].normal, self.body.diagonal, wide(i));
+        let view = |i: usize, wide: f64| {
+            View::new(&self.body.frames, images[i].contact, images[i].normal, self.body.diagonal, wide)
+        };
         // Stamps of all images, side by side. A field of size 1 that is twice as wide is half as deep: so that they mix as shapes, each
         // is multiplied by its width.
         let stamps = map(tasks, 0..n, |i| {
             let at = |v: usize| Vec3::from_slice(&unit[i * columns + 3 * v..]);
-            let mut stamp = view(i).resample(&self.body.places, at);
-            stamp.iter_mut().for_each(|x| *x *= wide(i) as f32);
+            let mut stamp = view(i, wide(strengths[i])).resample(&self.body.places, at);
+            stamp.iter_mut().for_each(|x| *x *= wide(strengths[i]) as f32);
             stamp
         });
         let stamps = stamps.concat();
@@ -273,8 +274,10 @@ impl Data<'_> {
             let rank = low.rank;
             let weights: Vec<f64> = (i * rank..(i + 1) * rank).map(|k| low.coefficients[k] - left[k]).collect();
             low.mix(&weights, &mut stamp);
-            let view = view(i);
-            view.turned(&stamp, 1.0 / wide(i) as f32, &mut turned);
+            // The size of a blow that is left out is not known either: its dent is as wide as the others say.
+            let wide = wide(if blows { strengths[i] - missed[i] } else { strengths[i] });
+            let view = view(i, wide);
+            view.turned(&stamp, 1.0 / wide as f32, &mut turned);
             let carried = carried[i * columns..(i + 1) * columns].chunks_mut(3 * GROUP);
             for (carried, places) in carried.zip(&self.body.places) {
                 let read = read(&turned, &view.cells(places));
