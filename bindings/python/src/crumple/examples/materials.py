@@ -17,6 +17,11 @@ class Material:
     yield_stretch: float
     yield_bend: float
 
+    @property
+    def wave_speed(self) -> float:
+        """Of stretching along a bar, m/s."""
+        return (self.young / self.density) ** 0.5
+
     def strength(self, thickness: float) -> float:
         """The force scale of a dent: yield stress times thickness squared, N."""
         return self.young * self.yield_stretch * thickness**2

@@ -28,7 +28,7 @@ from .plan import CALIBRATION, EXPONENT, TYPICAL, Plan, Tried, energy
 from .shell import Shell
 from .solver import FOLDED, NOTHING, RESTLESS, STUCK, UNSTABLE, Outcome, Solver
 
-FORMAT = 6
+FORMAT = 7
 """Another number for every change of what the solver leaves."""
 BATCH, GROWTH = 8, 0.15
 """Hits that are planned at a time: so many, or this share of those that are made. Then the set's errors are asked again."""

@@ -1,7 +1,8 @@
 """An elasto-plastic shell in MuJoCo, struck by a rigid ball, pole, wall or corner, which flies freely and does not turn.
 
 The set-up is that of the data in lab/data/structure: J2 plasticity without hardening, integrator `discrete`, and kinetic damping after the
-contact. Lengths and times scale with the edges of the shell, so that small and large bodies behave alike.
+contact. Lengths and times scale with the edges of the shell, so that small and large bodies behave alike, and steps with the material's wave
+speed.
 """
 
 from __future__ import annotations
@@ -24,11 +25,13 @@ from .flight import Blow, Flight  # noqa: E402
 from .materials import Material  # noqa: E402
 from .shell import Shell  # noqa: E402
 
-EDGE, STEP = 0.020, 2.5e-4
-"""A shell with edges of 20 mm is stepped by 0.25 ms. Longer steps leave shallower dents."""
-STIFF, DAMPED = 1.5e-3, 5e-5
-"""Seconds at edges of 20 mm: the time constants of the contact and of the material's damping. Twice as long ones, with twice
-the contact's damping, left a door's dents a quarter smaller."""
+EDGE = 0.020
+"""m. The durations below are those of a shell with edges so long."""
+COURANT = 20.0
+"""A step is as long as a wave in the sheet takes for this many edges. Longer steps leave shallower dents."""
+STIFF, DAMPED = 6.0, 0.2
+"""Steps: the time constants of the contact and of the material's damping. Twice as long ones, with twice the contact's damping, left
+a door's dents a quarter smaller."""
 SKIN = 0.1
 """Half the thickness of the contact surface, as a share of an edge."""
 FRICTION = 0.4
@@ -87,14 +90,14 @@ class Solver:
     def __init__(self, shell: Shell, material: Material, thickness: float) -> None:
         self.shell = shell
         self.time = min(max(shell.edge / EDGE, 0.02), 4.0)
-        self.dt = STEP * self.time
+        self.dt = COURANT * EDGE * self.time / material.wave_speed
         self.pace = shell.edge / EDGE / self.time
         self.skin = SKIN * shell.edge
         self.flight = Flight(shell, self.skin)
         touch = f'condim="3" friction="{FRICTION}"'
-        contact = f'{touch} solref="{STIFF * self.time:.9g} 1"'
+        contact = f'{touch} solref="{STIFF * self.dt:.9g} 1"'
         # The edges of walls and corners would be thrown back faster than they came.
-        box = f'{touch} priority="1" solref="{2 * STIFF * self.time:.9g} 2"'
+        box = f'{touch} priority="1" solref="{2 * STIFF * self.dt:.9g} 2"'
         # The shell touches strikers (1) and solids (2), which do not touch each other.
         masks = ' contype="3" conaffinity="3"' if shell.solids else ""
         hard = f'contype="2" conaffinity="2" {touch} solref="{2 * self.dt:.9g} 1"'
@@ -111,7 +114,7 @@ class Solver:
             f'<geom name="box" type="box" quat="0.8 0.6 0 0" size="{0.1 * shell.size:.9g} {0.1 * shell.size:.9g} {0.1 * shell.size:.9g}" {box}/></body>'
             f'<flexcomp type="direct" dim="2" radius="{self.skin:.9g}" name="s" mass="{material.density * thickness * shell.area:.9g}"'
             f' point="{_text(shell.points)}" element="{_text(shell.triangles)}">'
-            f'<elasticity young="{material.young:.9g}" poisson="{material.poisson}" damping="{DAMPED * self.time:.9g}"'
+            f'<elasticity young="{material.young:.9g}" poisson="{material.poisson}" damping="{DAMPED * self.dt:.9g}"'
             f' thickness="{thickness:.9g}" elastic2d="both" yield="{material.yield_stretch} {material.yield_bend}"/>'
             f'<contact selfcollide="none"{masks} {contact}/>{pins}</flexcomp></worldbody></mujoco>'
         )
