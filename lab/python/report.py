@@ -252,6 +252,17 @@ With 100:
 Told the displacement, with all of them:
 
 {table(names, rows("displacement"))}
+{mixed(t)}"""
+
+
+def mixed(t):
+    """Examples of two meshes in one set."""
+    found = t.where(truth="structure and dense")
+    if not found:
+        return ""
+    own, cheap, both = found
+    return f"""**Few good examples and many cheap ones.** Hits in play on the door, told the blow: {own["examples"]:.0f} examples of its own mesh leave {pair(own)}; {cheap["examples"]:.0f} of a mesh
+with half as many points, carried onto it, {pair(cheap)}; all in one set {pair(both)}. So both may stand in one set.
 """
 
 

@@ -62,11 +62,12 @@ pub fn run(options: &Options) -> Result<()> {
     table.comment("methods", "classic: the literature's rule; it and radial are told the displacement of a law");
     for truth in Truth::ALL.into_iter().chain([Truth::Dense]) {
         for name in truth.bodies() {
-            let mut body = Body::read(truth, name)?.with_free();
-            body.train.retain(|i| i.depth() >= WEAK);
-            case(&body, options, &mut table)?;
+            case(&training(truth, name)?, options, &mut table)?;
             println!("learn: {} {name}", truth.name());
         }
+    }
+    if !options.quick {
+        mixed(&mut table)?;
     }
     table.write(&options.out, "learn.csv")?;
     Ok(())
@@ -92,26 +93,9 @@ fn case(body: &Body, options: &Options, table: &mut Table) -> Result<()> {
         let radial = Radial::fit(&known);
         for told in ["blow", "displacement"].into_iter().filter(|t| knows_blows || *t == "displacement") {
             let blows = told == "blow";
-            let mut add = |method: &str, fields: &[Field], costs: &Costs| {
-                let head = [body.truth.name(), body.name, test, told, method].map(str::to_owned);
-                let errors: Vec<f64> = fields.iter().zip(&hits).map(|(f, i)| relative_l2(f, &i.field)).collect();
-                let sizes: Vec<f64> =
-                    fields.iter().zip(&hits).map(|(f, i)| (size(f).max(1e-9) / size(&i.field)).ln().abs()).collect();
-                let or_nothing = |x: &[f64]| if x.is_empty() { f64::NAN } else { median(x) };
-                let numbers = [
-                    median(&errors),
-                    quantile(&errors, 0.25),
-                    quantile(&errors, 0.75),
-                    quantile(&errors, 0.9),
-                    median(&sizes),
-                    or_nothing(&costs.left_out),
-                    or_nothing(&costs.us),
-                    if costs.build_s > 0.0 { costs.build_s } else { f64::NAN },
-                ];
-                let numbers = numbers.into_iter().map(num);
-                let tail = [costs.bytes.to_string(), hits.len().to_string()];
-                table.row(head.into_iter().chain([n.to_string()]).chain(numbers).chain(tail))
-            };
+            let head = [body.truth.name(), body.name, test, told];
+            let mut add =
+                |method: &str, fields: &[Field], costs: &Costs| table.row(row(head, method, n, &hits, fields, costs));
             let hit = if blows { scene::blow_hit } else { scene::hit };
             let (fields, costs) = predicted(&known, &hits.iter().map(|i| hit(i)).collect::<Vec<_>>())?;
             add("crumple", &fields, &costs)?;
@@ -135,6 +119,78 @@ fn case(body: &Body, options: &Options, table: &mut Table) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// Hits in play on the door, told the blow, by examples of its own mesh, by cheaper ones of a mesh with half as many points, and by all in
+/// one set. The examples of the last two rows are carried onto its mesh.
+fn mixed(table: &mut Table) -> Result<()> {
+    let own = training(Truth::Structure, "door")?;
+    let cheap = carried(&training(Truth::Dense, "door")?, &own);
+    let both = [own.train.clone(), cheap.clone()].concat();
+    let hits: Vec<&Impact> = own.play.iter().filter(|i| i.depth() >= WEAK).collect();
+    let told: Vec<Hit> = hits.iter().map(|i| scene::blow_hit(i)).collect();
+    for train in [own.train.clone(), cheap, both] {
+        let known = Body { train, ..own.clone() };
+        let (fields, costs) = predicted(&known, &told)?;
+        let head = ["structure and dense", own.name, "play", "blow"];
+        table.row(row(head, "crumple", known.train.len(), &hits, &fields, &costs))?;
+    }
+    Ok(())
+}
+
+/// A body with all of its training impacts that leave a dent.
+fn training(truth: Truth, name: &'static str) -> Result<Body> {
+    let mut body = Body::read(truth, name)?.with_free();
+    body.train.retain(|i| i.depth() >= WEAK);
+    Ok(body)
+}
+
+/// The training impacts of a body on the mesh of another that is the same but for its grid: x along the rows, y along the columns.
+fn carried(from: &Body, to: &Body) -> Vec<Impact> {
+    let [rows, columns] = from.grid;
+    let x: Vec<f32> = (0..rows).map(|i| from.vertices[i * columns][0]).collect();
+    let y: Vec<f32> = (0..columns).map(|j| from.vertices[j][1]).collect();
+    let place = |lines: &[f32], at: f32| {
+        let k = lines.partition_point(|line| *line < at).clamp(1, lines.len() - 1) - 1;
+        (k, (at - lines[k]) / (lines[k + 1] - lines[k]))
+    };
+    let cells: Vec<_> = to.vertices.iter().map(|p| (place(&x, p[0]), place(&y, p[1]))).collect();
+    let carry = |impact: &Impact| {
+        let at = |((i, s), (j, t)): &((usize, f32), (usize, f32)), k: usize| {
+            let along = |i: usize| {
+                let (a, b) = (impact.field[i * columns + j][k], impact.field[i * columns + j + 1][k]);
+                a + (b - a) * t
+            };
+            along(*i) + (along(i + 1) - along(*i)) * s
+        };
+        let field: Field = cells.iter().map(|cell| [0, 1, 2].map(|k| at(cell, k))).collect();
+        let away = |v: &[f32; 3]| length([0, 1, 2].map(|k| v[k] - impact.point[k]));
+        let nearest = to.vertices.iter().enumerate().min_by(|a, b| away(a.1).total_cmp(&away(b.1)));
+        let vertex = nearest.map_or(0, |(v, _)| v);
+        Impact { contact_vertex: vertex as u32, displacement: field[vertex], field, ..impact.clone() }
+    };
+    from.train.iter().map(carry).collect()
+}
+
+/// One row of the table. `head` is the truth, the body, the test, and what is told.
+fn row(head: [&str; 4], method: &str, n: usize, hits: &[&Impact], fields: &[Field], costs: &Costs) -> Vec<String> {
+    let errors: Vec<f64> = fields.iter().zip(hits).map(|(f, i)| relative_l2(f, &i.field)).collect();
+    let sizes: Vec<f64> =
+        fields.iter().zip(hits).map(|(f, i)| (size(f).max(1e-9) / size(&i.field)).ln().abs()).collect();
+    let or_nothing = |x: &[f64]| if x.is_empty() { f64::NAN } else { median(x) };
+    let numbers = [
+        median(&errors),
+        quantile(&errors, 0.25),
+        quantile(&errors, 0.75),
+        quantile(&errors, 0.9),
+        median(&sizes),
+        or_nothing(&costs.left_out),
+        or_nothing(&costs.us),
+        if costs.build_s > 0.0 { costs.build_s } else { f64::NAN },
+    ];
+    let tail = [costs.bytes.to_string(), hits.len().to_string()];
+    let head = head.into_iter().chain([method]).map(str::to_owned).chain([n.to_string()]);
+    head.chain(numbers.map(num)).chain(tail).collect()
 }
 
 /// The fields that a set of all these examples predicts.
