@@ -357,7 +357,7 @@ def test_one_metric_judges_examples_and_round_dents(tmp_path):
 def test_judged_blows_tell_the_kind_of_striker(tmp_path):
     made = planned(tmp_path)[0]
     # A corner's dent is a fifth of a ball's, and only the kind tells them apart.
-    balls, corners = dents(made, 24), dents(made, 24, seed=2)
+    balls, corners = dents(made, 12), dents(made, 12, seed=2)
     corners = [run.replace(one, name=f"corner {one.name}", shape="corner", field=0.2 * one.field) for one in corners]
     assert judge.judge(made, balls + corners).blow < 0.5
 
