@@ -260,7 +260,8 @@ def mixed(t):
     found = t.where(truth="structure and dense")
     if not found:
         return ""
-    own, cheap, both = found
+    cheap, both = found
+    own = max(t.where(truth="structure", body="door", told="blow", method="crumple"), key=lambda r: r["examples"])
     return f"""**Few good examples and many cheap ones.** Hits in play on the door, told the blow: {own["examples"]:.0f} examples of its own mesh leave {pair(own)}; {cheap["examples"]:.0f} of a mesh
 with half as many points, carried onto it, {pair(cheap)}; all in one set {pair(both)}. So both may stand in one set.
 """

@@ -83,6 +83,20 @@ pub fn median(values: &[f64]) -> f64 {
     quantile(values, 0.5)
 }
 
+/// The median, the quartiles, and the 90th percentile.
+pub fn spread(values: &[f64]) -> [f64; 4] {
+    [0.5, 0.25, 0.75, 0.9].map(|q| quantile(values, q))
+}
+
+/// Between the corners (0, 0), (1, 0), (0, 1) and (1, 1) of a cell.
+pub fn bilinear([a, b, c, d]: [[f32; 3]; 4], u: f32, w: f32) -> [f32; 3] {
+    [0, 1, 2].map(|k| {
+        let low = a[k] * (1.0 - u) + b[k] * u;
+        let high = c[k] * (1.0 - u) + d[k] * u;
+        low * (1.0 - w) + high * w
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

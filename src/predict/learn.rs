@@ -255,8 +255,9 @@ impl Data<'_> {
         // is multiplied by its width.
         let stamps = map(tasks, 0..n, |i| {
             let at = |v: usize| Vec3::from_slice(&unit[i * columns + 3 * v..]);
-            let mut stamp = view(i, wide(strengths[i])).resample(&self.body.places, at);
-            stamp.iter_mut().for_each(|x| *x *= wide(strengths[i]) as f32);
+            let wide = wide(strengths[i]);
+            let mut stamp = view(i, wide).resample(&self.body.places, at);
+            stamp.iter_mut().for_each(|x| *x *= wide as f32);
             stamp
         });
         let stamps = stamps.concat();

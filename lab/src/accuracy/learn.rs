@@ -9,7 +9,7 @@ use crumple::{Hit, Instance, InstanceOptions, Rule, Selection, SetOptions};
 use super::law::{Law, Sees, target};
 use super::radial::Radial;
 use crate::Options;
-use crate::metric::{length, median, quantile, relative_l2};
+use crate::metric::{bilinear, length, median, relative_l2, spread};
 use crate::scene;
 use crate::table::{Table, num};
 use crate::truth::{Body, Field, Impact, Truth};
@@ -121,15 +121,15 @@ fn case(body: &Body, options: &Options, table: &mut Table) -> Result<()> {
     Ok(())
 }
 
-/// Hits in play on the door, told the blow, by examples of its own mesh, by cheaper ones of a mesh with half as many points, and by all in
-/// one set. The examples of the last two rows are carried onto its mesh.
+/// Hits in play on the door, told the blow, by cheaper examples of a mesh with half as many points, carried onto its own, and by these and
+/// its own in one set.
 fn mixed(table: &mut Table) -> Result<()> {
     let own = training(Truth::Structure, "door")?;
     let cheap = carried(&training(Truth::Dense, "door")?, &own);
     let both = [own.train.clone(), cheap.clone()].concat();
     let hits: Vec<&Impact> = own.play.iter().filter(|i| i.depth() >= WEAK).collect();
     let told: Vec<Hit> = hits.iter().map(|i| scene::blow_hit(i)).collect();
-    for train in [own.train.clone(), cheap, both] {
+    for train in [cheap, both] {
         let known = Body { train, ..own.clone() };
         let (fields, costs) = predicted(&known, &told)?;
         let head = ["structure and dense", own.name, "play", "blow"];
@@ -156,14 +156,11 @@ fn carried(from: &Body, to: &Body) -> Vec<Impact> {
     };
     let cells: Vec<_> = to.vertices.iter().map(|p| (place(&x, p[0]), place(&y, p[1]))).collect();
     let carry = |impact: &Impact| {
-        let at = |((i, s), (j, t)): &((usize, f32), (usize, f32)), k: usize| {
-            let along = |i: usize| {
-                let (a, b) = (impact.field[i * columns + j][k], impact.field[i * columns + j + 1][k]);
-                a + (b - a) * t
-            };
-            along(*i) + (along(i + 1) - along(*i)) * s
+        let corner = |i: usize, j: usize| impact.field[i * columns + j];
+        let at = |((i, u), (j, w)): &((usize, f32), (usize, f32))| {
+            bilinear([corner(*i, *j), corner(i + 1, *j), corner(*i, j + 1), corner(i + 1, j + 1)], *u, *w)
         };
-        let field: Field = cells.iter().map(|cell| [0, 1, 2].map(|k| at(cell, k))).collect();
+        let field: Field = cells.iter().map(at).collect();
         let away = |v: &[f32; 3]| length([0, 1, 2].map(|k| v[k] - impact.point[k]));
         let nearest = to.vertices.iter().enumerate().min_by(|a, b| away(a.1).total_cmp(&away(b.1)));
         let vertex = nearest.map_or(0, |(v, _)| v);
@@ -178,19 +175,15 @@ fn row(head: [&str; 4], method: &str, n: usize, hits: &[&Impact], fields: &[Fiel
     let sizes: Vec<f64> =
         fields.iter().zip(hits).map(|(f, i)| (size(f).max(1e-9) / size(&i.field)).ln().abs()).collect();
     let or_nothing = |x: &[f64]| if x.is_empty() { f64::NAN } else { median(x) };
-    let numbers = [
-        median(&errors),
-        quantile(&errors, 0.25),
-        quantile(&errors, 0.75),
-        quantile(&errors, 0.9),
-        median(&sizes),
+    let of_costs = [
         or_nothing(&costs.left_out),
         or_nothing(&costs.us),
         if costs.build_s > 0.0 { costs.build_s } else { f64::NAN },
     ];
+    let numbers = [&spread(&errors)[..], &[median(&sizes)], &of_costs].concat();
     let tail = [costs.bytes.to_string(), hits.len().to_string()];
     let head = head.into_iter().chain([method]).map(str::to_owned).chain([n.to_string()]);
-    head.chain(numbers.map(num)).chain(tail).collect()
+    head.chain(numbers.into_iter().map(num)).chain(tail).collect()
 }
 
 /// The fields that a set of all these examples predicts.

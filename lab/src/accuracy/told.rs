@@ -9,7 +9,7 @@ use super::law::{Law, Sees};
 use super::methods::{Answer, Timer, answer, library};
 use super::radial::Radial;
 use crate::Options;
-use crate::metric::{length, median, quantile, relative_l2};
+use crate::metric::{length, median, relative_l2, spread};
 use crate::scene;
 use crate::table::{Table, num};
 use crate::truth::{Body, Field, Impact};
@@ -205,14 +205,7 @@ fn summary(impacts: &[&Impact], answers: &[Answer]) -> Vec<String> {
     let depths: Vec<f64> = strong.iter().map(|(i, a)| (left(i, a) / i.depth() - 1.0).abs()).collect();
     let us: Vec<f64> = answers.iter().map(|a| a.us).collect();
     let kept = weak.iter().filter(|(i, a)| left(i, a) < WEAK).count();
-    let numbers = [
-        median(&errors),
-        quantile(&errors, 0.25),
-        quantile(&errors, 0.75),
-        quantile(&errors, 0.9),
-        median(&depths),
-        median(&us),
-    ];
+    let numbers = [&spread(&errors)[..], &[median(&depths), median(&us)]].concat();
     let counts = [strong.len(), weak.len(), kept].map(|c| c.to_string());
     numbers.into_iter().map(num).chain(counts).collect()
 }

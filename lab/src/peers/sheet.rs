@@ -72,11 +72,7 @@ impl Grid {
             let w = (y - j * stride) as f32 / stride as f32;
             let next = (i + 1) % self.rows;
             let corner = |i: usize, j: usize| field[i * self.columns + j];
-            [0, 1, 2].map(|k| {
-                let low = corner(i, j)[k] * (1.0 - u) + corner(next, j)[k] * u;
-                let high = corner(i, j + 1)[k] * (1.0 - u) + corner(next, j + 1)[k] * u;
-                low * (1.0 - w) + high * w
-            })
+            metric::bilinear([corner(i, j), corner(next, j), corner(i, j + 1), corner(next, j + 1)], u, w)
         };
         (0..fine.rows * fine.columns).map(at).collect()
     }
