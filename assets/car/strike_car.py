@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from crumple.examples import inner, run, shell
+from crumple.examples import inner, remesh, run, shell
 from crumple.examples.body import Body
 from crumple.examples.flight import Blow
 from crumple.examples.materials import MATERIALS
@@ -34,8 +34,8 @@ RIGID = ("engine", "cell", "dashboard", "axle_front", "axle_rear")
 EXPONENT = 1.2
 """Energy grows with this power of the depth."""
 STIFFNESS = {
-    "front pole": 400, "side pole": 600, "rear pole": 300, "front edge": 420, "side edge": 450, "rear edge": 420, "front wall": 1200, "side wall": 1200,
-    "rear wall": 1200, "front corner": 400, "side corner": 350, "rear corner": 400, "roof corner": 80, "stone": 45, "hail": 40,
+    "front pole": 230, "side pole": 360, "rear pole": 250, "front edge": 260, "side edge": 360, "rear edge": 270, "front wall": 400, "side wall": 600,
+    "rear wall": 500, "front corner": 180, "side corner": 310, "rear corner": 250, "roof corner": 80, "stone": 18, "hail": 20,
 }  # fmt: skip
 OTHER = 80.0
 """A guess of a blow's energy by depth ** EXPONENT and by the sheet's strength, from trials."""
@@ -134,7 +134,7 @@ def patch(body, aim, reach, solids):
     made = shell.make(one, POINTS, "free")
     # Where the patch was cut out it is held. The rims of wheel arches are free.
     def rim(triangles):
-        edges, uses = shell._edges(triangles)
+        edges, uses = remesh.edges_of(triangles)
         return np.unique(edges[uses == 1])
 
     own = np.setdiff1d(rim(one.triangles), rim(body.triangles))

@@ -68,6 +68,14 @@ def panel(side=31, size=1.0):
     return points, np.concatenate([a + [0, side + 1, side], a + [0, 1, side + 1]])
 
 
+def grooved():
+    """A bowed sheet with two narrow grooves that meet at a slant, as the gaps between a car's panels do."""
+    points, triangles = panel(201)
+    across = np.minimum(abs(points[:, 0] - 0.3 * points[:, 2]), abs(points[:, 2] - 0.15 * points[:, 0] - 0.1))
+    points[:, 1] -= 0.008 * (across < 0.006)
+    return points, triangles
+
+
 def split_box():
     """A closed box: each face has its own vertices and material, so every edge is a seam."""
     box = trimesh.creation.box((0.6, 0.4, 0.8)).subdivide_loop(0).subdivide().subdivide().subdivide()

@@ -7,8 +7,8 @@ import trimesh
 from conftest import command
 
 import crumple
-from crumple.examples import judge, profile, run, shell
-from crumple.examples.body import Body
+from crumple.examples import judge, profile, remesh, run, shell
+from crumple.examples.body import Body, face_normals
 from crumple.examples.command import main
 
 
@@ -72,6 +72,20 @@ def test_bodies_become_shells(name, tmp_path):
     turn = np.array([[0.96, 0, 0.28], [0, 1, 0], [-0.28, 0, 0.96]]) - np.eye(3)
     carried = shell.Carrier(made, body.points).field(made.points @ turn.T)
     assert np.allclose(carried, body.points @ turn.T, atol=1e-9 * body.size)
+
+
+def test_narrow_grooves_leave_no_slivers(tmp_path):
+    body = Body(bodies.write(tmp_path / "body.glb", [bodies.grooved()]))
+    made = shell.make(body, 600, "auto")
+    assert len(made.points) < 1.2 * 600
+    sides = np.linalg.norm(np.diff(made.points[made.triangles[:, [0, 1, 2, 0]]], axis=1), axis=2)
+    heights = np.linalg.norm(face_normals(made.points, made.triangles), axis=1) / sides.max(1)
+    assert sides.min() > 0.25 * made.edge and heights.min() > 0.15 * made.edge
+    # It is still one sheet, and no smaller.
+    edges, uses = remesh.edges_of(made.triangles)
+    assert uses.max() == 2 and len(made.points) - len(edges) + len(made.triangles) == 1
+    flat = trimesh.Trimesh(*bodies.panel(), process=False).area
+    assert 0.995 < made.area / flat < 1.1
 
 
 def test_many_triangles(tmp_path):

@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 
 from . import Failure
 from .body import Body, Floats, Ints, face_normals, point_normals
+from .remesh import compact, edges_of, graph, remesh, unfolded
 
 _SMALL_PART = 0.05
 """Parts of the body with less than this share of its surface are carried along and not simulated."""
@@ -20,12 +21,8 @@ _MUCH = 0.5
 """A larger share of the points that is held is odd."""
 _HOLE, _RIMS, _GROUND = 0.25, 12, 0.15
 """Odd holds: open edges smaller than this share of the diagonal, which are holes, more of them than this, less than this share of the ground plan."""
-_FOLDED = 0.94
-"""Cosine of the angle between triangles of one edge that lie on each other: 20 degrees."""
 _MORE, _FEWER = 1.4, 0.8
 """A shell with this many times the wanted points is remeshed more coarsely, unless it then has less than the second."""
-CREASE = 15.0
-"""Degrees: edges of the mesh that are sharper stay edges of the shell. A crease that is cut off dents like smooth sheet."""
 NAMED = 3
 """Places or parts that a note names."""
 _NEIGHBOURS = 8
@@ -81,7 +78,7 @@ def make(body: Body, detail: int, hold: str) -> Shell:
             f"{len(left)} loose parts of {len(areas)} follow the surface near them and are not simulated: {'; '.join(names)}{more}"
         )
     surface = triangles[np.isin(parts, kept)]
-    edges, uses = _edges(surface)
+    edges, uses = edges_of(surface)
     if (uses > 2).any():
         at = body.points[edges[uses > 2]].mean(1)
         notes.append(f"{(uses > 2).sum()} edges belong to more than two triangles, {_spots(at, body)}")
@@ -92,20 +89,19 @@ def make(body: Body, detail: int, hold: str) -> Shell:
         )
     rims = _rims(body, edges[uses == 1])
     edge = float(np.sqrt(areas[kept].sum() / (0.866 * detail)))
-    points, corners = _remesh(body, surface, edge)
+    points, corners = remesh(body, surface, edge)
     if len(points) > _MORE * detail:
         # Beads and seams keep short edges beside them, so the others must be longer.
         longer = edge * float(np.sqrt(len(points) / detail))
-        coarser = _remesh(body, surface, longer)
+        coarser = remesh(body, surface, longer)
         # The remesher may jump beyond what was asked.
         if len(coarser[0]) >= _FEWER * detail:
             edge, (points, corners) = longer, coarser
-    corners, removed = _unfolded(points, corners)
+    corners, removed = unfolded(points, corners)
     if removed:
         notes.append(f"{removed} triangles of the shell lay on others and were left out")
-        used, corners = np.unique(corners, return_inverse=True)
-        points, corners = points[used], corners.reshape(-1, 3)
-    shell_edges, shell_uses = _edges(corners)
+        points, corners = compact(points, corners)
+    shell_edges, shell_uses = edges_of(corners)
     border = np.unique(shell_edges[shell_uses == 1])
     held = np.zeros(len(points), bool)
     if hold == "auto":
@@ -128,7 +124,7 @@ def make(body: Body, detail: int, hold: str) -> Shell:
         held[border] = _near_rim(points[border], body.points[np.concatenate(rims)], 0.75 * edge)
     warnings = _odd_rims(body, rims) if hold == "edges" else []
     # Whatever has no hold of its own stands on its lowest points.
-    group = csgraph.connected_components(_graph(corners, len(points)), directed=False)[1]
+    group = csgraph.connected_components(graph(corners, len(points)), directed=False)[1]
     loose = [one for one in range(group.max() + 1) if not held[group == one].any()] if hold != "free" else []
     for one in loose:
         of = group == one
@@ -192,41 +188,13 @@ def _tiptoes(held: Floats, points: Floats) -> list[str]:
     return [f"it stands on {share:.0%} of its ground plan; is y up?"] if share < _GROUND else []
 
 
-def _unfolded(points: Floats, triangles: Ints) -> tuple[Ints, int]:
-    """Without the smaller one of two triangles that lie on each other at an edge of more than two, and how many those were."""
-    before = len(triangles)
-    for _ in range(4):
-        sides = np.concatenate([triangles[:, [0, 1, 2]], triangles[:, [1, 2, 0]], triangles[:, [2, 0, 1]]])
-        of = np.tile(np.arange(len(triangles)), 3)
-        key = np.sort(sides[:, :2], axis=1)
-        _, number, uses = np.unique(key, axis=0, return_inverse=True, return_counts=True)
-        number = number.reshape(-1)
-        area = np.linalg.norm(face_normals(points, triangles), axis=1)
-        drop: set[int] = set()
-        for bad in np.flatnonzero(uses > 2):
-            rows = np.flatnonzero(number == bad)
-            a, b = points[key[rows[0], 0]], points[key[rows[0], 1]]
-            along = (b - a) / max(float(np.linalg.norm(b - a)), 1e-30)
-            away = points[sides[rows, 2]] - a
-            away -= (away @ along)[:, None] * along
-            away /= np.maximum(np.linalg.norm(away, axis=1, keepdims=True), 1e-30)
-            for i in range(len(rows)):
-                for j in range(i):
-                    if away[i] @ away[j] > _FOLDED:
-                        drop.add(int(min(of[rows[i]], of[rows[j]], key=lambda t: area[t])))
-        if not drop:
-            break
-        triangles = np.delete(triangles, sorted(drop), axis=0)
-    return triangles, before - len(triangles)
-
-
 def still(body: Body, shell: Shell, hold: str) -> NDArray[np.bool_]:
     """The points of the body that do not move: those that are marked, or those on open edges beside held points of the shell."""
     out = np.zeros(len(body.points), bool)
     if hold in ("auto", "marked") and body.marked.any():
         out[body.of_vertex[body.marked]] = True
     elif hold in ("auto", "edges"):
-        edges, uses = _edges(body.triangles)
+        edges, uses = edges_of(body.triangles)
         rim = np.unique(edges[uses == 1])
         if len(rim) and shell.held.any():
             out[rim] = cKDTree(shell.points[shell.held]).query(body.points[rim])[0] < shell.edge
@@ -235,53 +203,8 @@ def still(body: Body, shell: Shell, hold: str) -> NDArray[np.bool_]:
 
 def _parts(body: Body) -> tuple[Ints, Ints]:
     """The connected part of each triangle, and the triangles."""
-    graph = _graph(body.triangles, len(body.points))
-    return csgraph.connected_components(graph, directed=False)[1][body.triangles[:, 0]], body.triangles
-
-
-def _graph(triangles: Ints, count: int) -> coo_matrix:
-    a, b = triangles.reshape(-1), triangles[:, [1, 2, 0]].reshape(-1)
-    return coo_matrix((np.ones(len(a), bool), (a, b)), (count, count))
-
-
-def _edges(triangles: Ints) -> tuple[Ints, Ints]:
-    """The edges, and how many triangles have each."""
-    pairs = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
-    return np.unique(pairs, axis=0, return_counts=True)
-
-
-def _remesh(body: Body, surface: Ints, edge: float) -> tuple[Floats, Ints]:
-    import pymeshlab
-
-    used, corners = np.unique(surface, return_inverse=True)
-    # MeshLab's own limits are absolute: the body gets the size of 1.
-    scale = 1.0 / body.size
-    meshes = pymeshlab.MeshSet(verbose=False)
-    meshes.add_mesh(pymeshlab.Mesh(body.points[used] * scale, corners.reshape(-1, 3)))
-    try:
-        meshes.meshing_remove_null_faces()
-        length = pymeshlab.PureValue(edge * scale)
-        meshes.meshing_isotropic_explicit_remeshing(iterations=8, targetlen=length, featuredeg=CREASE)
-        meshes.meshing_remove_unreferenced_vertices()
-    except pymeshlab.PyMeshLabException as error:
-        raise Failure(f"{body.name} cannot be remeshed: {error}; merge its vertices by distance and export it again") from error
-    mesh = meshes.current_mesh()
-    points, triangles = mesh.vertex_matrix() / scale, mesh.face_matrix().astype(np.int64)
-    # Surfaces that were apart only because three of them meet in one edge become one again.
-    near = cKDTree(points).query_pairs(0.05 * edge, output_type="ndarray")
-    if len(near):
-        link = coo_matrix((np.ones(len(near), bool), (near[:, 0], near[:, 1])), (len(points),) * 2)
-        count, label = csgraph.connected_components(link, directed=False)
-        first = np.full(count, len(points))
-        np.minimum.at(first, label, np.arange(len(points)))
-        points, triangles = points[first], label[triangles]
-    a, b, c = triangles.T
-    whole = (a != b) & (b != c) & (c != a)
-    whole &= np.linalg.norm(face_normals(points, triangles), axis=1) > 1e-4 * edge**2
-    used, corners = np.unique(triangles[whole], return_inverse=True)
-    if len(used) < 50:
-        raise Failure(f"{body.name} became a shell of only {len(used)} points; raise --detail")
-    return points[used], corners.reshape(-1, 3)
+    links = graph(body.triangles, len(body.points))
+    return csgraph.connected_components(links, directed=False)[1][body.triangles[:, 0]], body.triangles
 
 
 def _near_rim(points: Floats, segments: Floats, reach: float) -> NDArray[np.bool_]:
