@@ -24,9 +24,6 @@ DAMAGE = "Crumple damage"
 REPORT = "Crumple report"
 """The text that shows what the library last said."""
 
-SHAPES = ("", "ball", "pole", "corner", "wall")
-"""The shapes of strikers in `impacts`, by their numbers in the library."""
-
 LIMIT, STIFFNESS, HELD = "Crumple depth limit", "Crumple stiffness", "Crumple held"
 """The vertex groups that are painted."""
 HELD_ATTRIBUTE = "_HELD"
@@ -255,7 +252,7 @@ def _example(name: str, positions: Floats, told: dict[str, Any] | None) -> crump
         example.contact, example.normal, example.impulse = vector["point"], vector.get("normal"), vector.get("impulse", (0, 0, 0))
         example.duration = told.get("duration") or 0.0
         velocity = z_up(striker.get("velocity") or (0, 0, 0))
-        shape = SHAPES.index(striker["shape"]) if striker.get("shape") in SHAPES else 0
+        shape = crumple.StrikerShape.__members__.get(str(striker.get("shape")).upper(), crumple.StrikerShape.UNKNOWN)
         example.striker = crumple.Striker(striker.get("mass") or 0.0, striker.get("radius") or 0.0, velocity, shape)
     return example
 
