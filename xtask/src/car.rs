@@ -31,7 +31,7 @@ pub struct Options {
     #[arg(long)]
     picture: bool,
     /// Also strike the car with a solver; write all of its examples to the folder, and those that the repository keeps, with the
-    /// demo's impacts, into assets/car. This takes about forty minutes of a core, and goes on where it was interrupted
+    /// demo's impacts, into assets/car. This takes about eighty minutes of a core, and goes on where it was interrupted
     #[arg(long)]
     examples: bool,
 }
