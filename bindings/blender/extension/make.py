@@ -50,7 +50,7 @@ class CRUMPLE_OT_make_examples(MeshOperator, bpy.types.Operator):
         name="Quality", default="good",
         items=[
             ("draft", "Draft", "24 hits, about a minute"),
-            ("good", "Good", "Up to 300 hits, 10 to 40 minutes on two cores"),
+            ("good", "Good", "Up to 300 hits, 10 to 50 minutes on two cores"),
             ("best", "Best", "Up to 1000 hits on a finer shell, hours"),
         ],
     )  # fmt: skip

@@ -63,7 +63,7 @@ def _parser() -> argparse.ArgumentParser:
         "--quality",
         choices=tuple(QUALITIES),
         default="good",
-        help="draft: 24 hits, about a minute; good (default): up to 300, 10 to 40 minutes on two cores; best: up to 1000 on a finer shell, hours",
+        help="draft: 24 hits, about a minute; good (default): up to 300, 10 to 50 minutes on two cores; best: up to 1000 on a finer shell, hours",
     )
     add("--count", type=_between(int, 1, 2000), help="most examples; default: what --quality says")
     add("--until-error", type=_positive, metavar="E", help="stop earlier, when the expected error of a hit is this (0.4)")
