@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from scipy.sparse import coo_matrix, csgraph
 from scipy.spatial import ConvexHull, QhullError
 
 import crumple
@@ -16,6 +15,7 @@ import crumple
 from . import Failure
 from .body import Body, Floats, Ints
 from .gltf import File
+from .remesh import compact, connected
 
 _CAPSULE = "capsule:"
 _SIDES = 24
@@ -64,9 +64,7 @@ def _capsule(text: str, body: Body, unit: float) -> Solid:
     radius = radius / np.cos(np.pi / _SIDES) ** 2
     points = np.concatenate([a + radius * ball, b + radius * ball])
     hull = ConvexHull(points)
-    used, corners = np.unique(hull.simplices, return_inverse=True)
-    corners = corners.reshape(-1, 3)
-    points = points[used]
+    points, corners = compact(points, hull.simplices)
     outward = np.einsum("ij,ij->i", np.cross(*(points[corners[:, k]] - points[corners[:, 0]] for k in (1, 2))), hull.equations[:, :3]) > 0
     corners = np.where(outward[:, None], corners, corners[:, ::-1])
     return Solid(text, points - body.origin, corners)
@@ -134,8 +132,7 @@ def hulls(solids: Sequence[Solid]) -> tuple[list[Floats], list[str]]:
     corners, notes = [], []
     for solid in solids:
         t = solid.triangles
-        graph = coo_matrix((np.ones(3 * len(t), bool), (t.reshape(-1), t[:, [1, 2, 0]].reshape(-1))), (len(solid.points),) * 2)
-        part = csgraph.connected_components(graph, directed=False)[1]
+        part = connected(t, len(solid.points))
         for one in np.unique(part[t[:, 0]]):
             own = t[part[t[:, 0]] == one]
             try:

@@ -14,10 +14,10 @@ from .body import Body, Floats, Ints, face_normals
 CREASE = 15.0
 """Degrees: edges of the mesh that are sharper stay edges of the surface. A crease that is cut off dents like smooth sheet."""
 _SHORT, _FLAT = 0.4, 0.25
-"""Shares of the wanted edge: shorter edges are collapsed, triangles less high above their longest edge are turned. Narrow strips and creases
-leave such slivers, and the solver's steps are too long for them: they creep and never come to rest."""
+"""Shares of the wanted edge. Slivers have a shorter edge, or are less high above their longest one. The remesher leaves them in narrow strips.
+The solver's steps are too long for them: they creep, and the shell never comes to rest."""
 _BENT, _TURNED = 0.5, 0.7
-"""Cosines: by how much a triangle may turn if an edge is collapsed, or if it is turned."""
+"""Cosines of the largest angles by which a triangle may bend when an edge is collapsed, and when an edge is turned."""
 _ROUNDS = 8
 _FOLDED = 0.94
 """Cosine of the angle between triangles of one edge that lie on each other: 20 degrees."""
@@ -27,11 +27,11 @@ def remesh(body: Body, triangles: Ints, edge: float) -> tuple[Floats, Ints]:
     """The surface of these triangles of the body with edges of about this length, m."""
     import pymeshlab
 
-    used, corners = np.unique(triangles, return_inverse=True)
+    own, corners = compact(body.points, triangles)
     # MeshLab's own limits are absolute: the body gets the size of 1.
     scale = 1.0 / body.size
     meshes = pymeshlab.MeshSet(verbose=False)
-    meshes.add_mesh(pymeshlab.Mesh(body.points[used] * scale, corners.reshape(-1, 3)))
+    meshes.add_mesh(pymeshlab.Mesh(own * scale, corners))
     try:
         meshes.meshing_remove_null_faces()
         length = pymeshlab.PureValue(edge * scale)
@@ -44,9 +44,8 @@ def remesh(body: Body, triangles: Ints, edge: float) -> tuple[Floats, Ints]:
     # Surfaces that were apart only because three of them meet in one edge become one again.
     near = cKDTree(points).query_pairs(0.05 * edge, output_type="ndarray")
     if len(near):
-        link = coo_matrix((np.ones(len(near), bool), (near[:, 0], near[:, 1])), (len(points),) * 2)
-        count, label = csgraph.connected_components(link, directed=False)
-        first = np.full(count, len(points))
+        label = connected(near, len(points))
+        first = np.full(label.max() + 1, len(points))
         np.minimum.at(first, label, np.arange(len(points)))
         points, triangles = points[first], label[triangles]
     a, b, c = triangles.T
@@ -87,7 +86,7 @@ class _Slivers:
         return found
 
     def _sides(self, face: int) -> list[tuple[float, int, int]]:
-        """Lengths and ends, shortest first."""
+        """Lengths and ends, shortest first. The ends are as the corners go round."""
         a, b, c = self.faces[face]
         return sorted((float(np.linalg.norm(self.points[i] - self.points[j])), i, j) for i, j in ((a, b), (b, c), (c, a)))
 
@@ -96,8 +95,7 @@ class _Slivers:
         return float(np.linalg.norm(self._normal(self.faces[face])) / self._sides(face)[-1][0])
 
     def _normal(self, corners: tuple[int, ...]) -> Floats:
-        a, b, c = self.points[list(corners)]
-        return np.cross(b - a, c - a)
+        return face_normals(self.points, np.array([corners]))[0]
 
     def _alike(self, a: Floats, b: Floats, cosine: float) -> bool:
         return bool(a @ b > cosine * np.linalg.norm(a) * np.linalg.norm(b))
@@ -110,7 +108,7 @@ class _Slivers:
 
     def _sharpness(self, point: int) -> tuple[bool, float]:
         """Of two points of an edge the one with the larger value stays: one on a border, or on the sharper crease."""
-        normals = np.array([self._normal(self.faces[face]) for face in self.around[point]])
+        normals = face_normals(self.points, np.array([self.faces[face] for face in self.around[point]]))
         normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
         return self._on_border(point), -float((normals @ normals.T).min())
 
@@ -145,8 +143,6 @@ class _Slivers:
             return False
         (other,) = beside - {face}
         (c,), (d,) = set(self.faces[face]) - {a, b}, set(self.faces[other]) - {a, b}
-        # As the corners of the first triangle go round.
-        a, b = next((i, j) for i, j in zip(self.faces[face], np.roll(self.faces[face], -1).tolist(), strict=True) if {i, j} == {a, b})
         new = {face: (a, d, c), other: (d, b, c)}
         one, two = map(self._normal, new.values())
         plane = self._normal(self.faces[other]) if self._height(other) >= self.flat else one
@@ -188,9 +184,11 @@ def unfolded(points: Floats, triangles: Ints) -> tuple[Ints, int]:
     return triangles, before - len(triangles)
 
 
-def graph(triangles: Ints, count: int) -> coo_matrix:
-    a, b = triangles.reshape(-1), triangles[:, [1, 2, 0]].reshape(-1)
-    return coo_matrix((np.ones(len(a), bool), (a, b)), (count, count))
+def connected(cells: Ints, count: int) -> Ints:
+    """The connected part of each of `count` points, by edges or triangles."""
+    a, b = cells.reshape(-1), np.roll(cells, -1, axis=1).reshape(-1)
+    label: Ints = csgraph.connected_components(coo_matrix((np.ones(len(a), bool), (a, b)), (count, count)), directed=False)[1]
+    return label
 
 
 def edges_of(triangles: Ints) -> tuple[Ints, Ints]:

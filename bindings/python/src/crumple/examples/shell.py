@@ -6,12 +6,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_matrix, csgraph
 from scipy.spatial import cKDTree
 
 from . import Failure
 from .body import Body, Floats, Ints, face_normals, point_normals
-from .remesh import compact, edges_of, graph, remesh, unfolded
+from .remesh import compact, connected, edges_of, remesh, unfolded
 
 _SMALL_PART = 0.05
 """Parts of the body with less than this share of its surface are carried along and not simulated."""
@@ -63,7 +62,8 @@ class Shell:
 def make(body: Body, detail: int, hold: str) -> Shell:
     """Remeshes the body's surface to about `detail` points."""
     notes: list[str] = []
-    parts, triangles = _parts(body)
+    triangles = body.triangles
+    parts = connected(triangles, len(body.points))[triangles[:, 0]]
     areas = np.bincount(parts, 0.5 * np.linalg.norm(face_normals(body.points, triangles), axis=1))
     kept = np.flatnonzero(areas >= _SMALL_PART * areas.sum())
     if len(kept) == 0:
@@ -124,7 +124,7 @@ def make(body: Body, detail: int, hold: str) -> Shell:
         held[border] = _near_rim(points[border], body.points[np.concatenate(rims)], 0.75 * edge)
     warnings = _odd_rims(body, rims) if hold == "edges" else []
     # Whatever has no hold of its own stands on its lowest points.
-    group = csgraph.connected_components(graph(corners, len(points)), directed=False)[1]
+    group = connected(corners, len(points))
     loose = [one for one in range(group.max() + 1) if not held[group == one].any()] if hold != "free" else []
     for one in loose:
         of = group == one
@@ -145,8 +145,7 @@ def make(body: Body, detail: int, hold: str) -> Shell:
 def _spots(points: Floats, body: Body) -> str:
     """Where some points are, in the units of the file: the middles of the largest clusters."""
     near = cKDTree(points).query_pairs(0.05 * body.size, output_type="ndarray")
-    link = coo_matrix((np.ones(len(near), bool), (near[:, 0], near[:, 1])), (len(points),) * 2)
-    label = csgraph.connected_components(link, directed=False)[1]
+    label = connected(near, len(points))
     counts = np.bincount(label)
     largest = counts.argsort()[::-1][:NAMED]
     spots = ", ".join(f"{body.place(points[label == one].mean(0))} ({counts[one]})" for one in largest)
@@ -159,8 +158,7 @@ def _rims(body: Body, rim: Ints) -> list[Ints]:
         return []
     used, corners = np.unique(rim, return_inverse=True)
     corners = corners.reshape(-1, 2)
-    link = coo_matrix((np.ones(len(corners), bool), (corners[:, 0], corners[:, 1])), (len(used),) * 2)
-    label = csgraph.connected_components(link, directed=False)[1][corners[:, 0]]
+    label = connected(corners, len(used))[corners[:, 0]]
     pieces = [rim[label == one] for one in range(label.max() + 1)]
     return sorted(pieces, key=lambda piece: -_across(body, piece))
 
@@ -199,12 +197,6 @@ def still(body: Body, shell: Shell, hold: str) -> NDArray[np.bool_]:
         if len(rim) and shell.held.any():
             out[rim] = cKDTree(shell.points[shell.held]).query(body.points[rim])[0] < shell.edge
     return out
-
-
-def _parts(body: Body) -> tuple[Ints, Ints]:
-    """The connected part of each triangle, and the triangles."""
-    links = graph(body.triangles, len(body.points))
-    return csgraph.connected_components(links, directed=False)[1][body.triangles[:, 0]], body.triangles
 
 
 def _near_rim(points: Floats, segments: Floats, reach: float) -> NDArray[np.bool_]:
